@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * nacre_gles.h - the OpenGL ES 2.0 / 3.0 backend (conventions: nacre.h). Includes no GL header.
+ */
+#ifndef NACRE_GLES_H
+#define NACRE_GLES_H
+
+#include "nacre.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct nacre_gles nacre_gles;
+typedef struct nacre_gles_item {
+    uint32_t id;
+} nacre_gles_item; /* 0 is never valid */
+
+typedef struct nacre_gles_desc {
+    void *(*get_proc)(void *user, const char *name); /* required; all GL entry points come from it */
+    nacre_log_fn log;                                /* (none) shader and link texts in full */
+    void *user;                                      /* passed to get_proc and log */
+    uint32_t texture_budget;   /* (unlimited) bytes of texels, render targets of light passes included */
+    uint8_t max_items;         /* (16) mesh + material pairs, 1..255 */
+    uint8_t max_programs;      /* (8) programs kept; the least recently used is dropped */
+    uint8_t host_resets_state; /* (0) 1: draw and bind query nothing and leave changed what nacre_gles_state lists */
+    uint8_t prefer_es2;        /* (0) 1: GLSL ES 1.00 texts also on a GLES 3 context */
+} nacre_gles_desc;
+
+/* Bytes of the block for this desc, 4-byte aligned; 0 if desc is not valid. */
+size_t nacre_gles_size(const nacre_gles_desc *desc);
+
+/* The calling thread's GL context must be current, here and in every call below but abandon.
+   NACRE_ERR_UNSUPPORTED: an entry point is missing, or the context is older than ES 2.0 / GL 2.0 + ES2 compatibility. */
+nacre_result nacre_gles_init(nacre_gles **out, void *block, size_t size, const nacre_gles_desc *desc);
+
+/* Attribute locations of every nacre program, for applications with buffers or draw loops of their own. */
+#define NACRE_GLES_POSITION        0 /* vec3 */
+#define NACRE_GLES_NORMAL          1 /* vec3, need not be unit length */
+#define NACRE_GLES_TANGENT         2 /* vec4, w = handedness; only read with a normal map */
+#define NACRE_GLES_UV              3 /* vec2; only read with a normal map */
+#define NACRE_GLES_ATTRIBUTE_COUNT 4
+
+typedef struct nacre_gles_attribute {
+    uint32_t type;      /* GL enum: GL_FLOAT 0x1406, GL_SHORT 0x1402, GL_BYTE 0x1400, ... */
+    uint8_t count;      /* 1..4 components; 0: the mesh has no such attribute */
+    uint8_t normalized; /* 1: integer types map to -1..1 or 0..1 */
+    uint32_t offset;    /* bytes into the vertex buffer */
+    uint32_t stride;    /* bytes from vertex to vertex, 0 = tight */
+} nacre_gles_attribute;
+
+/* Buffers that the application owns. Positions are object space as stored; the names must be valid in the current
+   context whenever the item is drawn. */
+typedef struct nacre_gles_buffers {
+    uint32_t vertex_buffer; /* GL name */
+    uint32_t index_buffer;  /* GL name; 0: draw arrays */
+    uint32_t index_type;    /* GL_UNSIGNED_SHORT 0x1403, or GL_UNSIGNED_INT 0x1405 where the device has it */
+    uint32_t index_offset;  /* bytes */
+    uint32_t first, count;  /* first: of glDrawArrays; count: vertices or indices, a multiple of 3 */
+    nacre_gles_attribute attribute[NACRE_GLES_ATTRIBUTE_COUNT];
+    nacre_q16 centre[3]; /* object space, of the mesh's bounds: what distant_viewer looks at */
+} nacre_gles_buffers;
+
+/* Upload straight from the borrowed bytes; the pointers are kept so that restore can repeat it. Textures are shared by
+   items whose material names the same images.
+   NACRE_ERR_ARGUMENT: material or mesh not valid. NACRE_ERR_ASSET: an image lacks what its model needs.
+   NACRE_ERR_BUDGET: texture_budget or max_items. NACRE_ERR_GL / LOST: upload failed. Nothing is half-made. */
+nacre_result nacre_gles_add(nacre_gles *gles, const nacre_mesh *mesh, const nacre_material *material,
+                            nacre_gles_item *out);
+/* The same with the caller's buffers (copied description), or with buffers == NULL for items that are only bound. */
+nacre_result nacre_gles_add_buffers(nacre_gles *gles, const nacre_gles_buffers *buffers, const nacre_material *material,
+                                    nacre_gles_item *out);
+/* Unknown or removed items are ignored. */
+void nacre_gles_remove(nacre_gles *gles, nacre_gles_item item);
+/* Describe the caller's new buffers after a context loss, or when they changed. */
+nacre_result nacre_gles_set_buffers(nacre_gles *gles, nacre_gles_item item, const nacre_gles_buffers *buffers);
+
+/* Compile now what drawing this item in this view will need (lights, camera kind and output count; numbers do not),
+   not at the first draw. */
+nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const nacre_view *view);
+
+/* Draw. Puts back every GL state it changes (see host_resets_state). Framebuffer, viewport, blend, depth and cull
+   are the caller's. Alpha is written as 1. More lights than the device's uniform vectors or texture units hold in one
+   program are drawn in passes through render targets of nacre's own, as large as the viewport (counted in
+   texture_budget), that hold linear sums at 16 bits a channel. */
+nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item item, const nacre_view *view);
+
+/* For applications with a draw loop of their own: make the program current, bind the textures, set every uniform;
+   *program (may be NULL) receives the GL name. Attributes are at NACRE_GLES_*. NACRE_ERR_UNSUPPORTED when this view
+   needs more than one pass. unbind puts back what bind changed (nothing with host_resets_state). */
+nacre_result nacre_gles_bind(nacre_gles *gles, nacre_gles_item item, const nacre_view *view, uint32_t *program);
+nacre_result nacre_gles_unbind(nacre_gles *gles);
+
+/* What the last draw or bind left changed under host_resets_state. */
+typedef struct nacre_gles_state {
+    uint8_t program;          /* glUseProgram */
+    uint8_t buffers;          /* array and element array bindings */
+    uint8_t attributes;       /* bit i: array i enabled and pointed elsewhere */
+    uint8_t texture_units;    /* units 0..n-1 have other 2D textures */
+    uint8_t active_texture;   /* glActiveTexture is another unit */
+    uint8_t unpack_alignment; /* GL_UNPACK_ALIGNMENT is 1 */
+    uint8_t framebuffer;      /* framebuffer, depth, blend and colour mask states of a draw in passes */
+} nacre_gles_state;
+void nacre_gles_changed(const nacre_gles *gles, nacre_gles_state *out);
+
+/* Context lost: forget every GL name without calling GL. Items stay valid but not resident. */
+void nacre_gles_abandon(nacre_gles *gles);
+/* A new context is current: load entry points and upload all again. Items with the caller's buffers need
+   nacre_gles_set_buffers before they are drawn. */
+nacre_result nacre_gles_restore(nacre_gles *gles);
+
+uint32_t nacre_gles_texture_bytes(const nacre_gles *gles);
+/* Delete every GL object nacre made (none after abandon). The block is the caller's again. */
+void nacre_gles_shutdown(nacre_gles *gles);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

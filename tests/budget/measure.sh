@@ -1,0 +1,60 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# measure.sh BUILD ARM_CC LIB: bytes of text, data and bss of every room, and its deepest single stack frame, for
+# Cortex-M4 (-Os) and x86-64 (the release objects, -O2), to BUILD/sizes.csv and standard output. Also leaves Cortex-M0
+# objects in BUILD/m0 for the symbol check.
+set -eu
+build=$1
+arm=$2
+lib=$3
+rooms="fx asset shade gles"
+size=${arm%gcc}size
+out=$build/sizes.csv
+
+includes() {
+    case $1 in
+    fx) echo "-Iinclude -Isrc/fx" ;;
+    asset) echo "-Iinclude -Isrc/asset -Isrc/fx" ;;
+    shade) echo "-Iinclude -Isrc/shade -Isrc/fx" ;;
+    gles) echo "-Iinclude -Isrc/gles -Isrc/fx -Isrc/asset -Isrc/shade" ;;
+    esac
+}
+
+compile() { # TARGET CPU FLAGS
+    for room in $rooms; do
+        mkdir -p "$build/$1/$room"
+        for c in src/"$room"/*.c; do
+            [ -e "$c" ] || continue
+            o=$build/$1/$room/$(basename "$c" .c).o
+            # shellcheck disable=SC2046
+            $arm -mcpu="$2" -mthumb -Os -std=c99 -DNDEBUG -ffunction-sections -fstack-usage $(includes "$room") -c -o "$o" "$c"
+        done
+    done
+}
+
+deepest() { # DIR: largest stack frame in its .su files
+    cat "$1"/*.su 2>/dev/null | awk -F'\t' '$2 > m { m = $2 } END { print m + 0 }'
+}
+
+row() { # TARGET ROOM SIZE_TOOL STACK OBJECTS...
+    target=$1 room=$2 tool=$3 stack=$4
+    shift 4
+    [ -e "$1" ] || return 0
+    "$tool" "$@" | awk -v t="$target" -v r="$room" -v s="$stack" 'NR > 1 { x += $1; d += $2; b += $3 }
+        END { printf "%s,%s,%d,%d,%d,%s\n", t, r, x, d, b, s }' >>"$out.new"
+}
+
+: >"$out.new"
+echo "target,room,text,data,bss,stack" >>"$out.new"
+compile m4 cortex-m4
+compile m0 cortex-m0
+for room in $rooms; do
+    row cortex-m4 "$room" "$size" "$(deepest "$build/m4/$room")" "$build/m4/$room"/*.o
+done
+objects=$(dirname "$lib")
+for room in $rooms; do
+    row x86-64 "$room" size - "$objects/src/$room"/*.o
+done
+row any shader-texts size - "$objects"/embedded/*.glsl.o "$objects"/embedded/*.vert.o "$objects"/embedded/*.frag.o
+mv "$out.new" "$out"
+cat "$out"

@@ -1,0 +1,15 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# check_long.sh BUILD: fuzz the readers for NACRE_FUZZ_SECONDS (60) each, with clang's libFuzzer where it is installed.
+set -eu
+build=$1
+seconds=${NACRE_FUZZ_SECONDS:-60}
+mkdir -p "$build/fuzz"
+for target in tests/fault/fuzz_*.c; do
+    name=$(basename "$target" .c)
+    clang -std=c11 -D_GNU_SOURCE -g -O1 -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=undefined -DNACRE_LIBFUZZER \
+        -Iinclude -Isrc/fx -Isrc/asset -Isrc/shade -Itests/support -o "$build/fuzz/$name" "$target" src/asset/*.c
+    mkdir -p "$build/fuzz/$name.corpus"
+    cp fixtures/asset/*.ktx2 "$build/fuzz/$name.corpus"
+    "$build/fuzz/$name" -max_total_time="$seconds" -max_len=65536 "$build/fuzz/$name.corpus"
+done

@@ -1,0 +1,31 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# run.sh BUILD: run every test program; the sanitized ones first. Ends with the lines of the last program; fails if any
+# failed, naming them.
+set -u
+build=$1
+export LSAN_OPTIONS="suppressions=$(dirname "$0")/lsan.supp print_suppressions=0"
+export ASAN_OPTIONS=detect_leaks=1
+failed=
+count=0
+run() {
+    count=$((count + 1))
+    echo "== $1"
+    "$@" || failed="$failed $1"
+}
+for t in "$build"/sanitize/tests/unit/test_* "$build"/sanitize/tests/fault/test_*; do
+    case $t in *.o | *.d) continue ;; esac
+    NACRE_TOOL=$build/sanitize/nacre run "$t"
+done
+export NACRE_TOOL=$build/release/nacre
+run sh tests/budget/check_symbols.sh "$build"
+for t in "$build"/release/tests/fault/test_* "$build"/release/tests/frame/test_* "$build"/release/tests/budget/test_* \
+    "$build"/release/tests/unit/test_*; do
+    case $t in *.o | *.d) continue ;; esac
+    run "$t"
+done
+if [ -n "$failed" ]; then
+    echo "failed:$failed" >&2
+    exit 1
+fi
+echo "$count test programs passed"

@@ -1,0 +1,97 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# deps.sh demo|test [BUILD]: install what drawing (demo) or the tests need and this machine lacks. With everything
+# present nothing is contacted. Probes look for the thing itself, so other systems than Debian pass too.
+set -u
+what=$1
+build=${2:-build}
+
+missing=
+command_in() { command -v "$2" >/dev/null 2>&1 || missing="$missing $1"; }           # PACKAGE COMMAND
+header_in() { echo "#include <$2>" | cc -E - >/dev/null 2>&1 || missing="$missing $1"; } # PACKAGE HEADER
+file_in() { # PACKAGE GLOB...
+    package=$1
+    shift
+    for f in "$@"; do [ -e "$f" ] && return; done
+    missing="$missing $package"
+}
+
+probe() {
+    missing=
+    command_in gcc cc
+    if [ -z "$missing" ]; then
+        header_in libc6-dev stdlib.h
+        header_in libpng-dev png.h
+        header_in libassimp-dev assimp/cimport.h
+        header_in libegl-dev EGL/egl.h
+    else
+        missing="$missing libc6-dev libpng-dev libassimp-dev libegl-dev"
+    fi
+    file_in libegl1 /usr/lib/*/libEGL.so.1 /usr/lib/libEGL.so.1 /usr/lib64/libEGL.so.1
+    file_in libegl-mesa0 /usr/lib/*/libEGL_mesa.so.0 /usr/lib/libEGL_mesa.so.0 /usr/lib64/libEGL_mesa.so.0
+    file_in libgl1-mesa-dri /usr/lib/*/dri/swrast_dri.so /usr/lib/dri/swrast_dri.so /usr/lib64/dri/swrast_dri.so \
+        /usr/lib/*/libgallium*.so
+    [ "$what" = demo ] && return
+    header_in libcmocka-dev "stdarg.h>
+#include <stddef.h>
+#include <setjmp.h>
+#include <stdint.h>
+#include <cmocka.h"
+    command_in g++ c++
+    command_in binutils nm
+    file_in libosmesa6 /usr/lib/*/libOSMesa.so.8 /usr/lib/libOSMesa.so.8 /usr/lib64/libOSMesa.so.8
+    command_in glslang-tools glslangValidator
+    command_in etc1tool etc1tool
+    command_in clang clang
+    command_in clang-format clang-format
+    command_in cppcheck cppcheck
+    command_in gcc-arm-none-eabi arm-none-eabi-gcc
+    file_in libnewlib-arm-none-eabi /usr/lib/arm-none-eabi/include/string.h /usr/arm-none-eabi/include/string.h
+}
+
+# OSMesa left Mesa with 25.1: where no package has it, the tests run on EGL alone and say so.
+drop_unobtainable() {
+    case " $missing " in *" libosmesa6 "*) ;; *) return ;; esac
+    apt-cache show libosmesa6 >/dev/null 2>&1 && return
+    echo "note: libosmesa6 is not to be had on this system; its tests will be skipped" >&2
+    missing=$(echo " $missing " | sed 's/ libosmesa6 / /')
+}
+
+install_packages() {
+    as_root=
+    [ "$(id -u)" = 0 ] || as_root="sudo -n"
+    export DEBIAN_FRONTEND=noninteractive
+    command -v apt-get >/dev/null 2>&1 || return 1
+    [ -z "$as_root" ] || sudo -n true >/dev/null 2>&1 || return 1
+    echo "installing:$missing"
+    log=$(mktemp)
+    { $as_root apt-get update -q && $as_root env DEBIAN_FRONTEND=noninteractive \
+        apt-get install -qy --no-install-recommends $missing; } >"$log" 2>&1
+    status=$?
+    [ $status = 0 ] || tail -5 "$log" >&2
+    rm -f "$log"
+    return $status
+}
+
+# The second, independent KTX2 reader; without npm or its registry the tests' own one stands alone, and they say so.
+install_ktx_parse() {
+    [ "$what" = test ] || return
+    [ -d "$build/npm/node_modules/ktx-parse" ] && return
+    command -v npm >/dev/null 2>&1 || return
+    mkdir -p "$build/npm"
+    npm install --silent --no-audit --no-fund --prefix "$build/npm" ktx-parse@2.0.0 >/dev/null 2>&1 ||
+        echo "note: npm package ktx-parse 2.0.0 can't be fetched; its test will be skipped" >&2
+}
+
+probe
+if [ -n "$missing" ]; then
+    if ! install_packages; then
+        drop_unobtainable
+        [ -z "$(echo $missing)" ] || { echo "missing:$missing; run: apt-get install$missing" >&2; exit 2; }
+    fi
+    probe
+    drop_unobtainable
+    [ -z "$(echo $missing)" ] || { echo "missing: $(echo $missing); run: apt-get install $(echo $missing)" >&2; exit 2; }
+fi
+install_ktx_parse
+exit 0
