@@ -23,6 +23,7 @@ typedef struct nacre_gles_desc {
     uint32_t texture_budget;   /* (unlimited) bytes of texels, render targets of light passes included */
     uint8_t max_items;         /* (16) mesh + material pairs, 1..255 */
     uint8_t max_programs;      /* (8) programs kept; the least recently used is dropped */
+    uint16_t max_textures;     /* (48) texture objects: one for each layer of each image; items share them */
     uint8_t host_resets_state; /* (0) 1: draw and bind query nothing and leave changed what nacre_gles_state lists */
     uint8_t prefer_es2;        /* (0) 1: GLSL ES 1.00 texts also on a GLES 3 context */
 } nacre_gles_desc;
@@ -91,15 +92,16 @@ nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item item, const nacre
 nacre_result nacre_gles_bind(nacre_gles *gles, nacre_gles_item item, const nacre_view *view, uint32_t *program);
 nacre_result nacre_gles_unbind(nacre_gles *gles);
 
-/* What the last draw or bind left changed under host_resets_state. */
+/* What the last draw or bind left changed under host_resets_state. A draw in passes asks for and puts back the states
+   of framebuffer, viewport, depth, blend, scissor, dither and masks all the same: its last pass is drawn with them. */
 typedef struct nacre_gles_state {
-    uint8_t program;          /* glUseProgram */
-    uint8_t buffers;          /* array and element array bindings */
-    uint8_t attributes;       /* bit i: array i enabled and pointed elsewhere */
-    uint8_t texture_units;    /* units 0..n-1 have other 2D textures */
-    uint8_t active_texture;   /* glActiveTexture is another unit */
-    uint8_t unpack_alignment; /* GL_UNPACK_ALIGNMENT is 1 */
-    uint8_t framebuffer;      /* framebuffer, depth, blend and colour mask states of a draw in passes */
+    uint8_t program;        /* 1: glUseProgram */
+    uint8_t buffers;        /* 1: array buffer binding; without vertex_array the element array binding too */
+    uint8_t attributes;     /* bit i: array i is enabled and points elsewhere (not with vertex_array) */
+    uint8_t vertex_array;   /* 1: the vertex array binding is 0; our own was used between */
+    uint8_t texture_units;  /* units 0..n-1 have other 2D textures */
+    uint8_t samplers;       /* 1: and no sampler object bound */
+    uint8_t active_texture; /* 1: glActiveTexture is another unit */
 } nacre_gles_state;
 void nacre_gles_changed(const nacre_gles *gles, nacre_gles_state *out);
 
