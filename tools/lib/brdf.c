@@ -33,8 +33,7 @@ static void read_role(const nacre_image *image, char *role, size_t size)
     uint32_t length = 0;
     const uint8_t *value = nacre_image_key(image, NACRE_KEY_ROLE, &length);
     size_t used = value ? (length < size - 1 ? length : size - 1) : 0;
-    if (used)
-        memcpy(role, value, used);
+    if (used) memcpy(role, value, used);
     role[used] = '\0';
 }
 
@@ -46,10 +45,9 @@ static int open_image(brdf **out, const nacre_image *image, const char *path, fa
     if (strcmp(role, "table") == 0) {
         table_asset table = {0};
         code = table_read(&table, image, path, f);
-        if (code)
-            return code;
+        if (code) return code;
         *out = table_brdf(&table);
-        snprintf((*out)->description, sizeof(*out)->description, "table %d x %d, %d layer%s, of %s", table.width,
+        snprintf((*out)->description, sizeof(*out)->description, "table %d x %d, %d layer%s, of %.180s", table.width,
                  table.height, table.layers, table.layers == 1 ? "" : "s", table.name);
         table_free(&table);
         return 0;
@@ -57,24 +55,23 @@ static int open_image(brdf **out, const nacre_image *image, const char *path, fa
     if (strcmp(role, "spheres") == 0) {
         sphere_asset spheres = {0};
         code = sphere_read(&spheres, image, path, f);
-        if (code)
-            return code;
+        if (code) return code;
         *out = sphere_brdf(&spheres, NULL);
-        snprintf((*out)->description, sizeof(*out)->description, "%d sphere images %d x %d, %s, of %s", spheres.layers,
-                 spheres.size, spheres.size, spheres.mode == SPHERE_PAPER ? "paper mode" : "cosine-free", spheres.name);
+        snprintf((*out)->description, sizeof(*out)->description, "%d sphere images %d x %d, %s, of %.180s",
+                 spheres.layers, spheres.size, spheres.size,
+                 spheres.mode == SPHERE_PAPER ? "paper mode" : "cosine-free", spheres.name);
         sphere_free(&spheres);
         return 0;
     }
-    return fail(f, FAIL_UNSUPPORTED, "%s: key %s: found \"%s\", expected \"table\" or \"spheres\"", path, NACRE_KEY_ROLE,
-                role);
+    return fail(f, FAIL_UNSUPPORTED, "%s: key %s: found \"%s\", expected \"table\" or \"spheres\"", path,
+                NACRE_KEY_ROLE, role);
 }
 
 static int open_asset(brdf **out, const char *path, failure *f)
 {
     bytes file = {0};
     int code = file_read(&file, path, f);
-    if (code)
-        return code;
+    if (code) return code;
     nacre_image image;
     nacre_result result = nacre_image_open(&image, file.data, file.size);
     if (result)
@@ -89,18 +86,15 @@ static int open_asset(brdf **out, const char *path, failure *f)
 
 static int open_file(brdf **out, const char *path, failure *f)
 {
-    if (ends_with(path, ".bsdf"))
-        return rgl_open(out, path, f);
-    if (ends_with(path, ".ktx2"))
-        return open_asset(out, path, f);
+    if (ends_with(path, ".bsdf")) return rgl_open(out, path, f);
+    if (ends_with(path, ".ktx2")) return open_asset(out, path, f);
     return merl_open(out, path, f);
 }
 
 static int is_published_set(const char *prefix)
 {
     for (size_t i = 0; published_set(i); i++) {
-        if (strcmp(prefix, published_set(i)) == 0)
-            return 1;
+        if (strcmp(prefix, published_set(i)) == 0) return 1;
     }
     return 0;
 }
@@ -108,18 +102,15 @@ static int is_published_set(const char *prefix)
 static int is_model(const char *prefix)
 {
     for (size_t i = 0; model_name(i); i++) {
-        if (strcmp(prefix, model_name(i)) == 0)
-            return 1;
+        if (strcmp(prefix, model_name(i)) == 0) return 1;
     }
     return 0;
 }
 
 static int open_prefixed(brdf **out, const char *prefix, const char *rest, failure *f)
 {
-    if (strcmp(prefix, "merl") == 0)
-        return merl_open(out, rest, f);
-    if (strcmp(prefix, "rgl") == 0)
-        return rgl_open(out, rest, f);
+    if (strcmp(prefix, "merl") == 0) return merl_open(out, rest, f);
+    if (strcmp(prefix, "rgl") == 0) return rgl_open(out, rest, f);
     if (strcmp(prefix, "schlick") == 0)
         return fail(f, FAIL_UNSUPPORTED, "BRDF \"schlick:%s\": this model is not supported yet", rest);
     if (is_published_set(prefix) && !(is_model(prefix) && strchr(rest, '=')))
@@ -138,12 +129,12 @@ static int fail_unknown(const char *name, failure *f)
         if (strcmp(strchr(names[i], ':') + 1, word) == 0 && strlen(near) + strlen(names[i]) + 3 < sizeof near)
             snprintf(near + strlen(near), sizeof near - strlen(near), "%s%s", *near ? ", " : "", names[i]);
     }
-    if (!*near)
-        nearest_names(name, names, count, near, sizeof near);
-    return fail(f, FAIL_USAGE,
-                "BRDF: found \"%.200s\", expected FILE.binary, FILE.bsdf, FILE.ktx2, or merl:, rgl:, sgd:, "
-                "ngan-lafortune:, ngan-cook-torrance:, lafortune:, lambert:, blinn-phong:, ward:, cook-torrance:, ggx:%s%s",
-                name, *near ? "; near: " : "", near);
+    if (!*near) nearest_names(name, names, count, near, sizeof near);
+    return fail(
+        f, FAIL_USAGE,
+        "BRDF: found \"%.200s\", expected FILE.binary, FILE.bsdf, FILE.ktx2, or merl:, rgl:, sgd:, "
+        "ngan-lafortune:, ngan-cook-torrance:, lafortune:, lambert:, blinn-phong:, ward:, cook-torrance:, ggx:%s%s",
+        name, *near ? "; near: " : "", near);
 }
 
 int brdf_open(brdf **out, const char *name, failure *f)
@@ -152,10 +143,9 @@ int brdf_open(brdf **out, const char *name, failure *f)
         return fail(f, FAIL_USAGE, "BRDF: found a name of %zu characters, expected at most %zu", strlen(name),
                     sizeof(*out)->name - 1);
     static const char *const plain[] = {"merl", "rgl", "schlick"};
-    char prefix[32] = "";
+    char prefix[32] = {0};
     size_t length = strcspn(name, ":");
-    if (length < sizeof prefix)
-        snprintf(prefix, length + 1, "%s", name);
+    if (length < sizeof prefix) memcpy(prefix, name, length); /* zero-filled: stays terminated */
     int known = is_published_set(prefix) || is_model(prefix);
     for (size_t i = 0; i < sizeof plain / sizeof *plain; i++) known |= strcmp(prefix, plain[i]) == 0;
     brdf *b = NULL;
@@ -166,8 +156,7 @@ int brdf_open(brdf **out, const char *name, failure *f)
         code = open_file(&b, name, f);
     else
         return fail_unknown(name, f);
-    if (code)
-        return code;
+    if (code) return code;
     snprintf(b->name, sizeof b->name, "%s", name);
     *out = b;
     return 0;
@@ -175,8 +164,7 @@ int brdf_open(brdf **out, const char *name, failure *f)
 
 void brdf_close(brdf *b)
 {
-    if (b)
-        b->close(b);
+    if (b) b->close(b);
 }
 
 const char *const *brdf_names(size_t *count)
@@ -189,10 +177,8 @@ const char *const *brdf_names(size_t *count)
 int brdf_eval_cosine(const brdf *b, const double to_light[3], const double to_eye[3], double out[3])
 {
     out[0] = out[1] = out[2] = 0;
-    if (!(to_light[2] > 0 && to_eye[2] > 0))
-        return 1; /* black by definition, not for want of data */
-    if (b->eval_cosine)
-        return b->eval_cosine(b, to_light, to_eye, out);
+    if (!(to_light[2] > 0 && to_eye[2] > 0)) return 1; /* black by definition, not for want of data */
+    if (b->eval_cosine) return b->eval_cosine(b, to_light, to_eye, out);
     int valid = b->eval(b, to_light, to_eye, out);
     for (int c = 0; c < 3; c++) out[c] *= to_light[2];
     return valid;
@@ -223,8 +209,8 @@ static void turn_azimuth(double v[3], double c, double s)
    Divided by the same sum for f_r = 1/pi, so that a constant comes out exactly; pairs without data count in neither. */
 void brdf_albedo(const brdf *b, double albedo[3])
 {
-    enum { HALF = 96, DIFF = 32, PHI = 32 };
-    int azimuths = b->anisotropic ? 16 : 1;
+    enum { HALF = 64, DIFF = 24, PHI = 24 };
+    int azimuths = b->anisotropic ? 24 : 1;
     double sum[3] = {0, 0, 0}, total = 0;
     for (long i = 0; i < (long)HALF * DIFF * PHI * azimuths; i++) {
         double u = ((double)(i / (DIFF * PHI) % HALF) + 0.5) / HALF, theta_half = pi / 2 * u * u * u * u;
@@ -233,12 +219,10 @@ void brdf_albedo(const brdf *b, double albedo[3])
         double azimuth = 2 * pi * (double)(i / ((long)HALF * DIFF * PHI)) / azimuths;
         double l[3], v[3], f[3];
         half_to_directions(theta_half, theta_diff, phi_diff, l, v);
-        if (l[2] <= 0 || v[2] <= 0)
-            continue;
+        if (l[2] <= 0 || v[2] <= 0) continue;
         turn_azimuth(l, cos(azimuth), sin(azimuth));
         turn_azimuth(v, cos(azimuth), sin(azimuth));
-        if (!brdf_eval_cosine(b, l, v, f))
-            continue;
+        if (!brdf_eval_cosine(b, l, v, f)) continue;
         double weight = v[2] * cos(theta_diff) * sin(theta_diff) * sin(theta_half) * u * u * u;
         total += weight * l[2];
         for (int c = 0; c < 3; c++) sum[c] += weight * f[c];
@@ -262,11 +246,9 @@ double brdf_exposure(const brdf *b)
     for (int i = 0; i < SIZE * SIZE; i++) {
         double x = (2.0 * (i % SIZE) + 1) / SIZE - 1, y = 1 - (2.0 * (double)(i / SIZE) + 1) / SIZE;
         double z2 = 1 - x * x - y * y;
-        if (z2 <= 0)
-            continue;
+        if (z2 <= 0) continue;
         double z = sqrt(z2), across = sqrt(x * x + z2), n_dot_l = x * light_x + z * light_z;
-        if (n_dot_l <= 0.05)
-            continue;
+        if (n_dot_l <= 0.05) continue;
         /* tangent (z, 0, -x) / across, bitangent = normal x tangent */
         double l[3] = {(z * light_x - x * light_z) / across, -y * (x * light_x + z * light_z) / across, n_dot_l};
         double v[3] = {-x / across, -y * z / across, z};

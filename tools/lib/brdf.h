@@ -22,7 +22,10 @@ struct brdf {
 
 /* Open by name: merl:FILE or FILE.binary, rgl:FILE or FILE.bsdf, asset FILE.ktx2 (its decoding in double), sgd:NAME,
    ngan-lafortune:NAME, ngan-cook-torrance:NAME, lafortune:NAME, lambert:albedo=.5, blinn-phong:..., ward:..., ggx:...,
-   cook-torrance:..., schlick:... . An unknown name or parameter lists the near ones. */
+   cook-torrance:..., schlick:... (not yet). An unknown name or parameter lists the near ones. A value is one number or
+   r/g/b; parameters not given have defaults. ggx: rough is the perceptual roughness, alpha = rough^2; lines of help for
+   every model: model_help in models.h. FAIL_USAGE: unknown name, parameter, value out of range; FAIL_IO, FAIL_INVALID,
+   FAIL_UNSUPPORTED: as the file's reader says. */
 int brdf_open(brdf **out, const char *name, failure *f);
 void brdf_close(brdf *b); /* NULL is fine */
 
