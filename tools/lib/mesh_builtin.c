@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Built-in shapes, each from its equation: exact normals and tangents, no file. */
-#include "mesh_builtin.h"
+#include "mesh_inner.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -171,7 +171,7 @@ static void evaluate(const patch *p, double column, double row, double position[
    frame is that of a point a millionth inwards: off from the limit by about as much. */
 static surface_point patch_point(const patch *p, double column, double row)
 {
-    surface_point out;
+    surface_point out = {.handedness = 1};
     double d_column[3], d_row[3], skip[3];
     evaluate(p, column, row, out.position, d_column, d_row);
     if (dot(d_column, d_column) < 1e-12 || dot(d_row, d_row) < 1e-12) {
@@ -187,7 +187,6 @@ static surface_point patch_point(const patch *p, double column, double row)
     normalise(out.tangent);
     out.uv[0] = 1 - column;
     out.uv[1] = 1 - row;
-    out.handedness = 1;
     return out;
 }
 

@@ -2,6 +2,7 @@
 /* The runtime's form of a mesh: 24-byte vertices and 16-bit indices, as C text or bytes for firmware. */
 #include <ctype.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,8 +35,8 @@ static int find_bounds(const mesh *m, q16_bounds *out, failure *f)
         double at = floor(0.5 * (lo + hi) * 65536 + 0.5);
         double reach = ceil(fmax(hi * 65536 - at, at - lo * 65536));
         if (!(fabs(at) + reach <= 2147483647.0))
-            return fail(f, FAIL_UNSUPPORTED, "%s: found %c from %g to %g, expected within +-32767 (fixed point)", m->name,
-                        'x' + axis, lo, hi);
+            return fail(f, FAIL_UNSUPPORTED, "%s: found %c from %g to %g, expected within +-32767 (fixed point)",
+                        m->name, 'x' + axis, lo, hi);
         out->centre[axis] = (nacre_q16)at;
         out->half_extent[axis] = reach < 1 ? 1 : (nacre_q16)reach;
     }
@@ -99,8 +100,10 @@ static int expand_corners(const mesh *m, corner_vertex *vertices, uint32_t *corn
                 hi = fmax(hi, (double)m->uv[m->index[t + k]][axis]);
             }
             if (!choose_shift(lo, hi, &shift[axis])) {
-                fail(f, FAIL_UNSUPPORTED, "%s: triangle %d: found texture coordinate %c from %g to %g, expected at most "
-                     "32 wide", m->name, t / 3, 'u' + axis, lo, hi);
+                fail(f, FAIL_UNSUPPORTED,
+                     "%s: triangle %d: found texture coordinate %c from %g to %g, expected at most "
+                     "32 wide",
+                     m->name, t / 3, 'u' + axis, lo, hi);
                 return -1;
             }
         }
@@ -253,10 +256,10 @@ static void append_c_part(bytes *b, const nacre_mesh *p, const char *name)
     }
     bytes_printf(b, "};\n\nconst uint16_t %s_indices[%u] = {", name, (unsigned)p->index_count);
     for (uint32_t i = 0; i < p->index_count; i++) bytes_printf(b, "%s%u,", i % 18 ? "" : "\n", p->indices[i]);
-    bytes_printf(b, "\n};\n\nconst nacre_mesh %s = {%s_vertices, %s_indices, %uu, %uu, {%ld, %ld, %ld}, {%ld, %ld, %ld}};\n",
-                 name, name, name, (unsigned)p->index_count, (unsigned)p->vertex_count, (long)p->centre[0],
-                 (long)p->centre[1], (long)p->centre[2], (long)p->half_extent[0], (long)p->half_extent[1],
-                 (long)p->half_extent[2]);
+    bytes_printf(
+        b, "\n};\n\nconst nacre_mesh %s = {%s_vertices, %s_indices, %uu, %uu, {%ld, %ld, %ld}, {%ld, %ld, %ld}};\n",
+        name, name, name, (unsigned)p->index_count, (unsigned)p->vertex_count, (long)p->centre[0], (long)p->centre[1],
+        (long)p->centre[2], (long)p->half_extent[0], (long)p->half_extent[1], (long)p->half_extent[2]);
 }
 
 static void c_name(const char *path, char *out, size_t size)
@@ -279,7 +282,8 @@ static void append_c_file(bytes *b, const nacre_mesh *parts, int count, const ch
 {
     char name[240], part_name[256];
     c_name(path, name, sizeof name);
-    bytes_printf(b, "/* Written by nacre: a mesh in %d part%s. */\n#include \"nacre.h\"\n", count, count > 1 ? "s" : "");
+    bytes_printf(b, "/* Written by nacre: a mesh in %d part%s. */\n#include \"nacre.h\"\n", count,
+                 count > 1 ? "s" : "");
     for (int i = 0; i < count; i++) {
         snprintf(part_name, sizeof part_name, count > 1 ? "%s_%d" : "%s", name, i);
         append_c_part(b, &parts[i], part_name);

@@ -6,7 +6,7 @@
 #include "output.h"
 #include "pixels.h"
 
-int png_write(const char *path, const image_u8 *image, failure *f); /* atomic, deterministic, tagged sRGB */
+int png_write(const char *path, const image_u8 *image, failure *f);      /* atomic, deterministic, tagged sRGB */
 int png_read(image_u8 *out, const char *path, int channels, failure *f); /* converted to so many channels */
 
 #endif
