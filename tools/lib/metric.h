@@ -9,12 +9,12 @@
 #include "brdf.h"
 #include "pixels.h"
 
-#define METRIC_FRAMES 37
-#define METRIC_SIZE 96
+#define METRIC_FRAMES   37
+#define METRIC_SIZE     96
 #define METRIC_STEP_DEG 5.0
 
 typedef struct metric_result {
-    double pooled_psnr_db;              /* from the mean squared error over all frames; 99 = equal */
+    double pooled_psnr_db; /* from the mean squared error over all frames; 99 = equal */
     double worst_frame_db, worst_frame_deg;
     double frame_db[METRIC_FRAMES];
 } metric_result;

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT */
+/* Inside of the table bake: samples of a BRDF in table coordinates, and the least-squares problem over texels. */
+#ifndef TABLE_PARTS_H
+#define TABLE_PARTS_H
+
+#include <stddef.h>
+
+#include "table_bake.h"
+
+/* Where a pair of directions falls in a table, and the terms of its equations. */
+typedef struct table_point {
+    double u, v; /* 0..1 between the first and the last texel centre */
+    double a;    /* n.l - n.v */
+    double l_dot_h;
+} table_point;
+
+/* 0 where the table defines nothing: a direction at or below the horizon, or l.v < TABLE_MIN_L_DOT_V. */
+int table_locate(table_point *out, double eps, const double to_light[3], const double to_eye[3]);
+
+/* Bilinear footprint of (u, v): texels first, first + 1, first + width, first + width + 1. */
+typedef struct table_footprint {
+    int first;
+    double weight[4];
+} table_footprint;
+
+static inline void table_corners(const table_footprint *at, int width, int texel[4])
+{
+    texel[0] = at->first;
+    texel[1] = at->first + 1;
+    texel[2] = at->first + width;
+    texel[3] = at->first + width + 1;
+}
+
+table_footprint table_filter(double u, double v, int width, int height);
+
+typedef struct table_sample {
+    table_footprint at;
+    double basis[2];   /* a^2, |a| */
+    double factor24;   /* (n.l / l.h)^(1/2.4): radiance^(1/2.4) = factor24 x root^(p/2.4) */
+    double root[3];    /* of pi E f_r l.h, the value to store, at most TABLE_MAX_ROOTED^(1/p) */
+    double display[3]; /* what that root shows */
+    double slope[3];   /* and how fast it changes there */
+    double weight;
+} table_sample;
+
+/* Largest pi E f_r l.h that is kept: six stops above white. */
+#define TABLE_MAX_ROOTED 64.0
+
+typedef struct table_samples {
+    table_sample *sample; /* malloc'd */
+    size_t count;
+} table_samples;
+
+/* Samples of b for a width x height table under exposure e. FAIL_INVALID: b is not finite somewhere. */
+int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, failure *f);
+void table_samples_free(table_samples *s);
+
+/* Display value of a root at a sample, and its slope by the root. The curve is sRGB, continued above 1 by 1 + 0.06 ln of the
+   radiance so that highlights keep some weight. Negative roots count as 0. */
+double table_show(const table_sample *s, double power, double root, double *slope);
+
+/* What a texel holds: three base roots, then coefficients. Coefficient j adds x[3 + j] basis[kind] g[channel]. */
+#define TABLE_MAX_UNKNOWNS 7
+typedef struct table_model {
+    int width, height;
+    double power;
+    int coefficients; /* 0..4 */
+    struct {
+        int kind; /* index of table_sample.basis */
+        double g[3];
+    } coefficient[4];
+} table_model;
+
+static inline int table_unknowns(const table_model *m)
+{
+    return 3 + m->coefficients;
+}
+
+/* How strongly a solution is held back. */
+typedef struct table_hold {
+    double smooth;      /* weight of second differences along u and v */
+    double ridge;       /* weight of the update's square */
+    double coefficient; /* both times this for coefficients */
+} table_hold;
+
+/* The least-squares problem of an update dx of x: (H + smooth R + ridge) dx = rhs - smooth R x, R = D^T D for second
+   differences D along both axes. A texel's blocks of H: with itself and with its neighbours at (+1, 0), (-1, +1), (0, +1),
+   (+1, +1); each block is symmetric, so the opposite neighbours share it. */
+enum { TABLE_SELF, TABLE_RIGHT, TABLE_DOWN_LEFT, TABLE_DOWN, TABLE_DOWN_RIGHT, TABLE_STENCIL };
+
+typedef struct table_problem {
+    const table_model *model;
+    const table_samples *samples;
+    int n; /* unknowns per texel */
+    int width, height, texels;
+    double smooth[TABLE_MAX_UNKNOWNS], ridge[TABLE_MAX_UNKNOWNS];
+    double *block;   /* texels x TABLE_STENCIL x n x n */
+    double *rhs;     /* texels x n */
+    double *inverse; /* texels x n x n: of the diagonal blocks */
+} table_problem;
+
+table_problem table_problem_make(const table_model *m, const table_samples *s, const table_hold *hold);
+void table_problem_free(table_problem *p);
+
+/* Root the table draws at a sample, per channel. */
+void table_drawn(const table_problem *p, const table_sample *s, const double *x, double root[3]);
+
+/* Add a sample whose drawn roots have the slopes and residuals given (display units, per channel). */
+void table_accumulate(table_problem *p, const table_sample *s, const double slope[3], const double residual[3]);
+
+/* Fill H and rhs for small changes of x: residuals and slopes of display values. */
+void table_linearize(table_problem *p, const double *x);
+
+/* y += (H + smooth R + ridge) e, e = delta at one unknown of one texel, else 0. */
+void table_apply_one(const table_problem *p, int texel, int unknown, double delta, double *y);
+
+/* Diagonal of H + smooth R + ridge. */
+double table_stiffness(const table_problem *p, int texel, int unknown);
+
+void table_add_smoothing(const table_problem *p, const double *x, double *y); /* y += smooth R x */
+void table_apply(const table_problem *p, const double *x, double *y);         /* y = (H + smooth R + ridge) x */
+void table_solve(table_problem *p, const double *x, double *dx);
+
+/* x: table_unknowns(m) doubles per texel. Both solvers start from what is in x. */
+void table_solve_closed(const table_model *m, const table_samples *s, const table_hold *hold, double *x);
+void table_solve_display(const table_model *m, const table_samples *s, const table_hold *hold, int steps, double *x);
+
+/* The codes of t (scales set, texels allocated) for x: the nearest ones first, then one after the other moved to where
+   the linearised display error in p is least. Returns that error, comparable between scales of one x and p. */
+double table_round(table_asset *t, const table_problem *p, const double *x);
+
+/* Leading eigenvector of sum over texels H c c^T for a model of three coefficients of one kind (H: mean diagonal of the
+   coefficients' block of the closed form's normal matrix), sign so that its sum is positive, largest |value| 1. */
+void table_weight_vector(const table_model *m, const table_samples *s, const double *x, double w[3]);
+
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+#include <math.h>
+#include <stdlib.h>
+
+#include "metric.h"
+#include "table_parts.h"
+
+#define PI 3.14159265358979323846
+
+/* Sphere frames: size, and light polar angles (degrees): coarse up to 150, finer where grazing light moves fast. */
+#define SPHERE_SIZE   60
+#define COARSE_FIRST  1.25
+#define COARSE_STEP   2.5
+#define COARSE_FRAMES 60
+#define FINE_FIRST    150.7
+#define FINE_STEP     1.7
+#define FINE_FRAMES   18
+
+/* A light at the eye uses the first row alone, which no other frame does: half a frame of its own. */
+#define EYE_WEIGHT 0.5
+
+/* 0.0031308^(1/2.4): where the sRGB curve's linear toe ends. */
+#define TOE_END 0.09045
+
+/* A sparse grid over the table, so that texels no frame reaches follow the material where it has values. */
+#define GRID_U      48
+#define GRID_THETA  28
+#define GRID_PHI    5
+#define GRID_WEIGHT 0.5
+
+int table_locate(table_point *out, double eps, const double to_light[3], const double to_eye[3])
+{
+    double h[3], squared = 0, l_dot_v = 0;
+    if (to_light[2] <= 0 || to_eye[2] <= 0) return 0;
+    for (int k = 0; k < 3; k++) {
+        h[k] = to_light[k] + to_eye[k];
+        squared += h[k] * h[k];
+        l_dot_v += to_light[k] * to_eye[k];
+    }
+    if (l_dot_v < TABLE_MIN_L_DOT_V) return 0;
+    double length = sqrt(squared);
+    for (int k = 0; k < 3; k++) h[k] /= length;
+    double t = (h[0] * h[0] + h[1] * h[1] + (1 - h[2]) * (1 - h[2])) / 2;
+    double s = sqrt(fmax(0, 1 - length / 2));
+    out->u = log2(t / eps + 1) / log2(1 / eps + 1);
+    out->v = 0.7 * s + 0.3 * s * s;
+    out->a = to_light[2] - to_eye[2];
+    out->l_dot_h = length / 2;
+    return 1;
+}
+
+static int cell(double x, int last, double *fraction)
+{
+    x = fmin(fmax(x, 0), 1) * last;
+    int i = (int)x;
+    if (i > last - 1) i = last - 1;
+    *fraction = x - i;
+    return i;
+}
+
+table_footprint table_filter(double u, double v, int width, int height)
+{
+    double x, y;
+    int i = cell(u, width - 1, &x), j = cell(v, height - 1, &y);
+    table_footprint at = {j * width + i, {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y}};
+    return at;
+}
+
+/* root^(p/2.4); the default p = 4.8, stored as the nearest 2^-16, is taken as what it stands for. */
+static double root24(double root, double power)
+{
+    double exponent = power / 2.4;
+    return fabs(exponent - 2) < 1e-5 ? root * root : pow(root, exponent);
+}
+
+double table_show(const table_sample *s, double power, double root, double *slope)
+{
+    if (root <= 0) {
+        *slope = 0;
+        return 0;
+    }
+    double radiance24 = s->factor24 * root24(root, power);
+    if (radiance24 > 1) {
+        *slope = 0.06 * power / root;
+        return 1 + 0.06 * 2.4 * log(radiance24);
+    }
+    if (radiance24 <= TOE_END) {
+        double radiance = pow(radiance24, 2.4);
+        *slope = 12.92 * radiance * power / root;
+        return 12.92 * radiance;
+    }
+    *slope = 1.055 * radiance24 * power / (2.4 * root);
+    return 1.055 * radiance24 - 0.055;
+}
+
+static int not_finite(const double to_light[3], const double to_eye[3], const brdf *b, failure *f)
+{
+    double degree = 180 / PI;
+    double azimuth = atan2(to_eye[1], to_eye[0]) - atan2(to_light[1], to_light[0]);
+    return fail(
+        f, FAIL_INVALID,
+        "%s: not a finite number at light polar %.3f, eye polar %.3f, azimuth between them %.3f degrees, expected "
+        "f_r in 1/sr",
+        b->name, degree * acos(fmin(1, to_light[2])), degree * acos(fmin(1, to_eye[2])),
+        fabs(degree * remainder(azimuth, 2 * PI)));
+}
+
+/* Append the sample of one pair of directions; nothing where the table or b defines nothing. */
+static int add(table_samples *s, const brdf *b, const table_asset *t, const double to_light[3], const double to_eye[3],
+               double weight, failure *f)
+{
+    table_point point;
+    double f_r[3];
+    if (!table_locate(&point, t->eps, to_light, to_eye)) return FAIL_NONE;
+    if (!b->eval(b, to_light, to_eye, f_r)) return FAIL_NONE;
+    table_sample *out = &s->sample[s->count];
+    out->at = table_filter(point.u, point.v, t->width, t->height);
+    out->basis[0] = point.a * point.a;
+    out->basis[1] = fabs(point.a);
+    out->factor24 = pow(to_light[2] / point.l_dot_h, 1 / 2.4);
+    out->weight = weight;
+    for (int k = 0; k < 3; k++) {
+        if (!isfinite(f_r[k])) return not_finite(to_light, to_eye, b, f);
+        double rooted = fmin(fmax(PI * t->e * f_r[k] * point.l_dot_h, 0), TABLE_MAX_ROOTED);
+        out->root[k] = pow(rooted, 1 / t->p);
+        out->display[k] = table_show(out, t->p, out->root[k], &out->slope[k]);
+    }
+    s->count++;
+    return FAIL_NONE;
+}
+
+static int add_frame(table_samples *s, const brdf *b, const table_asset *t, double phi_deg, double weight, failure *f)
+{
+    for (int j = 0; j < SPHERE_SIZE / 2; j++) /* the lower half mirrors the upper */
+        for (int i = 0; i < SPHERE_SIZE; i++) {
+            double normal[3], to_light[3], to_eye[3];
+            if (!metric_normal(i, j, SPHERE_SIZE, normal)) continue;
+            metric_local(normal, phi_deg, to_light, to_eye);
+            int code = add(s, b, t, to_light, to_eye, weight, f);
+            if (code) return code;
+        }
+    return FAIL_NONE;
+}
+
+static int add_grid(table_samples *s, const brdf *b, const table_asset *t, failure *f)
+{
+    double span = log2(1 / t->eps + 1);
+    for (int i = 0; i < GRID_U; i++)
+        for (int j = 0; j < GRID_THETA; j++)
+            for (int k = 0; k < GRID_PHI; k++) {
+                double to_light[3], to_eye[3];
+                double cosine = 1 - t->eps * (exp2(span * (i + 0.5) / GRID_U) - 1);
+                half_to_directions(acos(fmin(fmax(cosine, 0), 1)), PI / 2 * (j + 0.5) / GRID_THETA,
+                                   PI / 2 * k / (GRID_PHI - 1), to_light, to_eye);
+                int code = add(s, b, t, to_light, to_eye, GRID_WEIGHT, f);
+                if (code) return code;
+            }
+    return FAIL_NONE;
+}
+
+int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, failure *f)
+{
+    size_t most =
+        (size_t)(SPHERE_SIZE * SPHERE_SIZE / 2) * (1 + COARSE_FRAMES + FINE_FRAMES) + GRID_U * GRID_THETA * GRID_PHI;
+    table_samples s = {need_memory(most, sizeof *s.sample), 0};
+    int code = add_frame(&s, b, t, 0, EYE_WEIGHT, f);
+    for (int k = 0; k < COARSE_FRAMES && !code; k++) code = add_frame(&s, b, t, COARSE_FIRST + COARSE_STEP * k, 1, f);
+    for (int k = 0; k < FINE_FRAMES && !code; k++) code = add_frame(&s, b, t, FINE_FIRST + FINE_STEP * k, 1, f);
+    if (!code) code = add_grid(&s, b, t, f);
+    if (!code && !s.count)
+        code =
+            fail(f, FAIL_INVALID, "%s: no data for any pair of directions above the horizon, expected some", b->name);
+    if (code) {
+        table_samples_free(&s);
+        return code;
+    }
+    *out = s;
+    return FAIL_NONE;
+}
+
+void table_samples_free(table_samples *s)
+{
+    free(s->sample);
+    *s = (table_samples){0};
+}
