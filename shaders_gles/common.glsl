@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Common to both stages: GLSL ES 1.00 and 3.00 from the same words, precisions, output curves.
+// The #defines before this text are written by src/gles/text.c: LIGHTS, PERSP, OUTPUT, FORM, ... always a number.
+
+#if ES3
+#define texture2D texture
+#define texture2DProj textureProj
+#define attribute in
+#ifdef STAGE_VERTEX
+#define varying out
+#else
+#define varying in
+#endif
+#endif
+
+#ifdef STAGE_VERTEX
+precision highp float;
+#define HIGHP highp
+#else
+precision mediump float;
+// Positions and texture coordinates of normal maps want more than 11 bits; everything else is safe in fp16.
+#ifdef GL_FRAGMENT_PRECISION_HIGH
+#define HIGHP highp
+#else
+#define HIGHP mediump
+#endif
+#endif
+
+varying mediump vec3 v_normal;
+#if NORMAL_MAP
+varying mediump vec3 v_tangent;
+varying mediump vec3 v_bitangent;
+varying HIGHP vec2 v_uv;
+#endif
+#if PERSP
+varying HIGHP vec3 v_position; // view space x 2^position_shift
+#endif
+#if PASS
+varying HIGHP vec3 v_screen; // for texture2DProj: this pixel's own place in a target as large as the viewport
+#endif

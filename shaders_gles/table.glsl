@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: MIT
+// The half-vector table. One fetch (fine tier: two) gives y with (Ymax y)^p = pi E f_r l.h at
+// u = log2(t / eps + 1), t = 1 - n.h, and v, a polynomial in sqrt(1 - l.h).
+// t is taken as |n - h|^2 / 2: the subtraction 1 - n.h has no bits left near the peak in fp16.
+
+#if LIGHTS
+uniform sampler2D u_map[1 + FINE];
+#endif
+
+#if PERSP
+// u_light: r = xyz - w P points to the light; u_factor: rgb.
+uniform HIGHP vec4 u_light[LIGHTS];
+uniform vec4 u_factor[LIGHTS];
+// [0] S, bias, 2 eps   [1] A, B, C of the row   [2] W, or K1 and K2   [3] eye: v ~ xyz - w P
+uniform HIGHP vec4 u_eye[1];
+uniform vec4 u_model[3];
+#define SCALE u_model[0].x
+#define BIAS u_model[0].y
+#define PHI u_model[2]
+#elif LIGHTS == 1
+// u_half: h, sqrt(2 eps)   u_light: l, S   u_slope: l - v, bias   u_factor: rgb, row
+uniform vec4 u_half[1];
+uniform vec4 u_light[1];
+uniform vec4 u_slope[1];
+uniform vec4 u_factor[1];
+uniform vec4 u_model[1];
+#define SCALE u_light[0].w
+#define BIAS u_slope[0].w
+#define PHI u_model[0]
+#elif LIGHTS
+// u_half: h, sqrt(2 eps)   u_light: l, S   u_factor: rgb, row   u_model: [0] W, or K1 and K2; bias in w
+uniform vec4 u_half[LIGHTS];
+uniform vec4 u_light[LIGHTS];
+uniform vec4 u_factor[LIGHTS];
+uniform vec4 u_model[1];
+#define SCALE u_light[0].w
+#define BIAS u_model[0].w
+#define PHI u_model[0]
+#endif
+
+#if LIGHTS
+// Floor of n.l: 2^-14, the smallest normal number of fp16. A larger one under the logarithm would light the dark side.
+#define DARK 0.00006103516
+
+// q = |d|^2 + 2 eps, slope = n.l - n.v
+vec3 table_root(float q, float slope, float row)
+{
+    vec2 at = vec2(log2(q) * SCALE + BIAS, row);
+    vec4 t = texture2D(u_map[0], at);
+#if FINE
+    vec3 curve = texture2D(u_map[1], at).rgb - 0.5;
+    return t.rgb + curve * (slope * slope * PHI.x) + (t.a - 0.5) * abs(slope) * PHI.y;
+#elif PHID
+    return t.rgb + (t.a - 0.5) * (slope * slope) * PHI.rgb;
+#else
+    return t.rgb;
+#endif
+}
+
+// factor y^p cosine in the form of FORM: linear, its root, or sRGB at once.
+vec3 table_light(vec3 y, float cosine, vec3 factor)
+{
+#if FORM == FORM_SRGB
+    return y * y * (exp2(log2(max(cosine, DARK)) * (1.0 / 2.4)) * factor) - 0.055;
+#elif FORM == FORM_ROOT
+    cosine = sqrt(max(cosine, 1.0e-7)); // as good as 0.0, and an instruction less on Adreno 220
+#if POWER48
+    return exp2(log2(max(y, DARK)) * 2.4) * (cosine * factor);
+#else
+    return y * y * (cosine * factor);
+#endif
+#else
+    factor *= max(cosine, 0.0);
+#if PERSP
+    factor = min(factor, 2048.0); // eight lights together stay below 16,384
+#endif
+#if POWER48
+    return exp2(log2(max(y, DARK)) * 4.8) * factor;
+#else
+    y *= y;
+    return y * y * factor;
+#endif
+#endif
+}
+
+#if PERSP
+vec3 light(vec3 n, vec3 v, HIGHP vec4 place, vec3 factor)
+{
+    HIGHP vec3 r = place.xyz - place.w * v_position;
+    HIGHP float inverse = inversesqrt(dot(r, r));
+    vec3 l = r * inverse;
+    float near = min(inverse, 64.0);
+    vec3 sum = l + v;
+    float i = inversesqrt(max(dot(sum, sum), 0.0009765625)); // 1 / (2 l.h), l.h >= 2^-6
+    vec3 h = sum * i;
+    vec3 d = n - h;
+    float away = max(1.0 - 0.5 * dot(sum, sum) * i, 0.0); // 1 - l.h
+    float nl = dot(n, l);
+    float row = sqrt(away) * u_model[1].x + (away * u_model[1].y + u_model[1].z);
+    vec3 y = table_root(dot(d, d) + u_model[0].z, nl - dot(n, v), row);
+    return table_light(y, nl * i * near * near, factor);
+}
+#define LIGHT(i) light(n, v, u_light[i], u_factor[i].rgb)
+#else
+// The order of the first lines is the one that compiles to fewest words.
+vec3 light(vec3 n, vec4 middle, vec3 to_light, vec3 across, vec4 factor)
+{
+    vec4 d = vec4(n, 0.0) - middle; // the constant sqrt(2 eps) in w comes along in the dot product
+    float nl = dot(n, to_light);
+#if LIGHTS == 1
+    float slope = dot(n, across);
+#else
+    float slope = nl - n.z;
+#endif
+    return table_light(table_root(dot(d, d), slope, factor.w), nl, factor.rgb);
+}
+#if LIGHTS == 1
+#define LIGHT(i) light(n, u_half[i], u_light[i].xyz, u_slope[i].xyz, u_factor[i])
+#else
+#define LIGHT(i) light(n, u_half[i], u_light[i].xyz, u_half[i].xyz, u_factor[i])
+#endif
+#endif
+#endif

@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: MIT */
+/* Prepare, draw, bind: a view becomes a key, textures and uniforms. */
+#include "gles.h"
+
+#include <string.h>
+
+/* ---- the view ------------------------------------------------------------------------------- */
+
+/* 0 when the columns of the 3x3 part lie in a plane. Each column is first brought below 2^20, which changes no sign. */
+static int matrix_is_regular(const nacre_mat4 *m)
+{
+    int64_t c[3][3];
+    int i, k;
+    for (i = 0; i < 3; i++) {
+        int64_t largest = 0;
+        for (k = 0; k < 3; k++) {
+            c[i][k] = m->m[4 * i + k];
+            if ((c[i][k] < 0 ? -c[i][k] : c[i][k]) > largest) largest = c[i][k] < 0 ? -c[i][k] : c[i][k];
+        }
+        for (; largest >= 1 << 20; largest /= 2)
+            for (k = 0; k < 3; k++) c[i][k] /= 2;
+    }
+    return c[0][0] * (c[1][1] * c[2][2] - c[1][2] * c[2][1]) - c[0][1] * (c[1][0] * c[2][2] - c[1][2] * c[2][0]) +
+               c[0][2] * (c[1][0] * c[2][1] - c[1][1] * c[2][0]) !=
+           0;
+}
+
+static int light_is_valid(const nacre_light *light)
+{
+    if (light->type > NACRE_LIGHT_POINT || light->shadow < 0 || light->shadow > NACRE_Q14_ONE) return 0;
+    return light->type == NACRE_LIGHT_POINT || light->direction.x || light->direction.y || light->direction.z;
+}
+
+static int view_is_valid(const nacre_view *view)
+{
+    const nacre_q16 *m;
+    unsigned i;
+    if (!view || view->light_count > NACRE_MAX_LIGHTS || (view->light_count && !view->lights)) return 0;
+    if (view->output > NACRE_OUTPUT_LINEAR || view->distant_viewer > 1 || view->exposure < 0) return 0;
+    for (i = 0; i < view->light_count; i++)
+        if (!light_is_valid(&view->lights[i])) return 0;
+    m = view->object_to_view.m;
+    return !m[3] && !m[7] && !m[11] && m[15] == NACRE_Q16_ONE && matrix_is_regular(&view->object_to_view);
+}
+
+/* ---- the key -------------------------------------------------------------------------------- */
+
+static int has_ambient(const nacre_view *view)
+{
+    return view->ambient.r > 0 || view->ambient.g > 0 || view->ambient.b > 0;
+}
+
+static void key_model(gles_key *key, const shade_material *material)
+{
+    const shade_table *t = &material->is.table;
+    if (material->model == NACRE_MODEL_SPHERES) {
+        key->model = material->is.spheres.cosine ? GLES_KEY_PAPER : GLES_KEY_SPHERES;
+        return;
+    }
+    key->model = material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
+    key->phid = material->fine || t->w[0] || t->w[1] || t->w[2];
+    key->power48 = t->p > 4 * NACRE_Q16_ONE + NACRE_Q16_ONE / 2;
+}
+
+void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, unsigned lights, unsigned pass)
+{
+    const shade_material *material = &draw->item->material;
+    memset(key, 0, sizeof *key);
+    key_model(key, material);
+    key->lights = (uint8_t)lights;
+    key->pass = (uint8_t)pass;
+    key->output = draw->view->output;
+    key->normal_map = draw->item->image[NACRE_ROLE_NORMAL] != NULL;
+    key->es3 = gles->caps.es3 && !gles->desc.prefer_es2;
+    key->persp = lights && shade_needs_persp(draw->view);
+    key->ambient = has_ambient(draw->view);
+    if (key->persp && material->model == NACRE_MODEL_SPHERES)
+        key->layers =
+            gles_key_layer_class(material->is.spheres.layers, gles->caps.units - key->normal_map - (pass ? 2u : 0u));
+    gles_key_canonical(key);
+}
+
+static unsigned most_lights(const nacre_gles *gles, const gles_draw *draw, unsigned pass)
+{
+    gles_key key;
+    gles_key_of(gles, &key, draw, draw->view->light_count, pass);
+    return gles_key_max_lights(&key, pass, gles->caps.fragment_vectors, gles->caps.units);
+}
+
+/* One pass, or most_lights in each of several. */
+static nacre_result plan_passes(const nacre_gles *gles, gles_draw *draw)
+{
+    const unsigned lights = draw->view->light_count;
+    draw->sum_lights = 0;
+    if (!lights || lights <= most_lights(gles, draw, GLES_PASS_NONE)) return NACRE_OK;
+    draw->sum_lights = (uint8_t)most_lights(gles, draw, GLES_PASS_SUM_HIGH);
+    return draw->sum_lights ? NACRE_OK : NACRE_ERR_UNSUPPORTED;
+}
+
+unsigned gles_pass_lights(const gles_draw *draw, unsigned first_light)
+{
+    unsigned n = draw->sum_lights;
+    while (n > draw->view->light_count - first_light) n /= 2; /* 4, 2 or 1 */
+    return n;
+}
+
+static void describe_vertices(gles_draw *draw)
+{
+    const gles_item *item = draw->item;
+    int i;
+    memset(&draw->vertices, 0, sizeof draw->vertices);
+    for (i = 0; i < 3; i++) {
+        if (item->source == GLES_SOURCE_MESH) {
+            draw->vertices.centre[i] = draw->centre[i] = item->is.mesh.centre[i];
+            draw->vertices.half_extent[i] = item->is.mesh.half_extent[i];
+        } else {
+            draw->vertices.half_extent[i] = NACRE_Q16_ONE;
+            draw->centre[i] = item->source == GLES_SOURCE_BUFFERS ? item->is.buffers.centre[i] : 0;
+        }
+    }
+    draw->vertices.uv_q11 = item->source == GLES_SOURCE_MESH;
+}
+
+static nacre_result begin(nacre_gles *gles, nacre_gles_item id, const nacre_view *view, gles_draw *draw)
+{
+    if (!gles || !view_is_valid(view)) return NACRE_ERR_ARGUMENT;
+    draw->item = gles_item_find(gles, id);
+    if (!draw->item) return NACRE_ERR_ARGUMENT;
+    if (gles->lost || !gles->resident) return NACRE_ERR_LOST;
+    draw->view = view;
+    draw->id = id.id;
+    draw->query = !gles->desc.host_resets_state;
+    draw->form = -1;
+    describe_vertices(draw);
+    return plan_passes(gles, draw);
+}
+
+/* ---- one pass ------------------------------------------------------------------------------- */
+
+static gl_uint layer_name(const nacre_gles *gles, const gles_item *item, unsigned role, unsigned layer)
+{
+    return gles->textures[item->first_texture[role] + layer].name;
+}
+
+/* The model's own textures, in the order of key.h; returns how many. */
+static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, const gles_key *key, unsigned first_light,
+                               gl_uint name[GLES_MAX_UNITS])
+{
+    const gles_item *item = draw->item;
+    const shade_frame *frame = &draw->frame;
+    unsigned i;
+    if (!key->lights) return 0;
+    if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE) {
+        const unsigned layers = key->model == GLES_KEY_FINE ? 2 : 1;
+        for (i = 0; i < layers; i++) name[i] = layer_name(gles, item, NACRE_ROLE_TABLE, i);
+        return layers;
+    }
+    if (key->persp) {
+        for (i = 0; i < key->layers; i++) {
+            const unsigned layer = frame->is.spheres.layer[i];
+            name[i] = layer_name(gles, item, NACRE_ROLE_SPHERES, layer);
+        }
+        return key->layers;
+    }
+    for (i = 0; i < 2u * key->lights; i++)
+        name[i] = layer_name(gles, item, NACRE_ROLE_SPHERES, frame->light[first_light + i / 2].is.spheres.layer[i & 1]);
+    return 2u * key->lights;
+}
+
+nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_key *key,
+                            unsigned first_light, gl_uint *name)
+{
+    const int form = (int)gles_key_form(key);
+    gl_uint textures[GLES_MAX_UNITS];
+    gles_program *program;
+    unsigned count, i;
+    int unit;
+    const nacre_result result = gles_program_use(gles, key, &program);
+    if (result) return result;
+    if (form != draw->form) {
+        shade_setup(&draw->frame, draw->view, draw->centre, &draw->item->material, (shade_form)form, key->persp,
+                    key->layers ? key->layers : GLES_MAX_UNITS);
+        draw->form = form;
+    }
+    count = model_textures(gles, draw, key, first_light, textures);
+    for (i = 0; i < count; i++) gles_texture_bind(gles, saved, i, textures[i], draw->query);
+    unit = gles_key_unit_normal(key);
+    if (unit >= 0)
+        gles_texture_bind(gles, saved, (unsigned)unit, layer_name(gles, draw->item, NACRE_ROLE_NORMAL, 0), draw->query);
+    gles_uniforms_set(&gles->gl, &program->at, key, draw->view, &draw->vertices, &draw->frame, first_light);
+    *name = program->name;
+    return NACRE_OK;
+}
+
+/* ---- vertices ------------------------------------------------------------------------------- */
+
+static unsigned attribute_mask(const gles_item *item)
+{
+    const unsigned position_normal = 1u << NACRE_GLES_POSITION | 1u << NACRE_GLES_NORMAL;
+    return item->image[NACRE_ROLE_NORMAL] ? position_normal | 1u << NACRE_GLES_TANGENT | 1u << NACRE_GLES_UV
+                                          : position_normal;
+}
+
+/* nacre_vertex, as GL reads it. */
+static const nacre_gles_attribute mesh_attributes[NACRE_GLES_ATTRIBUTE_COUNT] = {
+    {GLES_SHORT, 3, 1, offsetof(nacre_vertex, position), sizeof(nacre_vertex)},
+    {GLES_SHORT, 3, 1, offsetof(nacre_vertex, normal), sizeof(nacre_vertex)},
+    {GLES_BYTE, 4, 1, offsetof(nacre_vertex, tangent), sizeof(nacre_vertex)},
+    {GLES_SHORT, 2, 0, offsetof(nacre_vertex, uv), sizeof(nacre_vertex)},
+};
+
+/* Point the item's attributes at its buffers, in the current vertex array. enabled: the arrays on there, 0 when unknown. */
+static void point_attributes(const gles_procs *gl, const gles_item *item, unsigned enabled)
+{
+    const int own = item->source == GLES_SOURCE_MESH;
+    const nacre_gles_attribute *a = own ? mesh_attributes : item->is.buffers.attribute;
+    const unsigned wanted = attribute_mask(item);
+    unsigned i;
+    gl->BindBuffer(GLES_ARRAY_BUFFER, own ? item->vertex_buffer : item->is.buffers.vertex_buffer);
+    gl->BindBuffer(GLES_ELEMENT_ARRAY_BUFFER, own ? item->index_buffer : item->is.buffers.index_buffer);
+    for (i = 0; i < NACRE_GLES_ATTRIBUTE_COUNT; i++) {
+        if (wanted >> i & 1)
+            gl->VertexAttribPointer(i, a[i].count, a[i].type, a[i].normalized, (gl_sizei)a[i].stride,
+                                    (const void *)(uintptr_t)a[i].offset);
+        if ((wanted & ~enabled) >> i & 1) gl->EnableVertexAttribArray(i);
+        if ((enabled & ~wanted) >> i & 1) gl->DisableVertexAttribArray(i);
+    }
+}
+
+void gles_bind_vertices(nacre_gles *gles, const gles_draw *draw, gles_saved *saved)
+{
+    const int same = gles->vertex_array && gles->described == draw->id;
+    gles_save_buffers(gles, saved, attribute_mask(draw->item), same, draw->query);
+    if (!gles->vertex_array) {
+        point_attributes(&gles->gl, draw->item, 0);
+        return;
+    }
+    gles->gl.BindVertexArray(gles->vertex_array);
+    if (same) return;
+    point_attributes(&gles->gl, draw->item, gles->enabled);
+    gles->enabled = (uint8_t)attribute_mask(draw->item);
+    /* The caller may delete its buffers and reuse their names, so those are pointed at anew each time. */
+    gles->described = draw->item->source == GLES_SOURCE_MESH ? draw->id : 0;
+}
+
+void gles_issue(const nacre_gles *gles, const gles_item *item)
+{
+    const nacre_gles_buffers *b = &item->is.buffers;
+    if (item->source == GLES_SOURCE_MESH)
+        gles->gl.DrawElements(GLES_TRIANGLES, (gl_sizei)item->is.mesh.index_count, GLES_UNSIGNED_SHORT, NULL);
+    else if (b->index_buffer)
+        gles->gl.DrawElements(GLES_TRIANGLES, (gl_sizei)b->count, b->index_type,
+                              (const void *)(uintptr_t)b->index_offset);
+    else
+        gles->gl.DrawArrays(GLES_TRIANGLES, (gl_int)b->first, (gl_sizei)b->count);
+}
+
+/* ---- public --------------------------------------------------------------------------------- */
+
+nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item id, const nacre_view *view)
+{
+    gles_draw draw;
+    gles_saved saved;
+    gles_key key;
+    gl_uint program;
+    nacre_result result = begin(gles, id, view, &draw);
+    if (result) return result;
+    if (draw.item->source != GLES_SOURCE_MESH && draw.item->source != GLES_SOURCE_BUFFERS) return NACRE_ERR_ARGUMENT;
+
+    gles_save(gles, &saved, draw.query);
+    if (draw.sum_lights) {
+        result = gles_draw_passes(gles, &draw, &saved);
+    } else {
+        gles_key_of(gles, &key, &draw, view->light_count, GLES_PASS_NONE);
+        result = gles_pass_bind(gles, &draw, &saved, &key, 0, &program);
+        if (!result) {
+            gles_bind_vertices(gles, &draw, &saved);
+            gles_issue(gles, draw.item);
+        }
+    }
+    if (draw.query)
+        gles_put_back(gles, &saved);
+    else
+        gles_note(gles, &saved);
+    return result;
+}
+
+nacre_result nacre_gles_bind(nacre_gles *gles, nacre_gles_item id, const nacre_view *view, uint32_t *program)
+{
+    gles_draw draw;
+    gles_key key;
+    gl_uint name = 0;
+    nacre_result result = begin(gles, id, view, &draw);
+    if (result) return result;
+    if (draw.sum_lights) return NACRE_ERR_UNSUPPORTED;
+    nacre_gles_unbind(gles);
+    gles_save(gles, &gles->saved, draw.query);
+    gles_key_of(gles, &key, &draw, view->light_count, GLES_PASS_NONE);
+    result = gles_pass_bind(gles, &draw, &gles->saved, &key, 0, &name);
+    if (!draw.query) gles_note(gles, &gles->saved);
+    gles->bound = 1;
+    if (result) {
+        nacre_gles_unbind(gles);
+        return result;
+    }
+    if (program) *program = name;
+    return NACRE_OK;
+}
+
+nacre_result nacre_gles_unbind(nacre_gles *gles)
+{
+    if (!gles) return NACRE_ERR_ARGUMENT;
+    if (!gles->bound) return NACRE_OK;
+    gles->bound = 0;
+    if (!gles->desc.host_resets_state && !gles->lost) gles_put_back(gles, &gles->saved);
+    return NACRE_OK;
+}
+
+nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item id, const nacre_view *view)
+{
+    gles_draw draw;
+    gles_program *program;
+    gles_key key;
+    gl_int current = 0;
+    unsigned first;
+    nacre_result result = begin(gles, id, view, &draw);
+    if (result) return result;
+    gles->gl.GetIntegerv(GLES_CURRENT_PROGRAM, &current);
+    for (first = 0; draw.sum_lights && first < view->light_count && !result; first += gles_pass_lights(&draw, first)) {
+        gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM_HIGH);
+        result = gles_program_use(gles, &key, &program);
+        gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM_LOW);
+        if (!result) result = gles_program_use(gles, &key, &program);
+    }
+    gles_key_of(gles, &key, &draw, draw.sum_lights ? 0 : view->light_count,
+                draw.sum_lights ? GLES_PASS_LAST : GLES_PASS_NONE);
+    if (!result) result = gles_program_use(gles, &key, &program);
+    if (!gles->lost) gles->gl.UseProgram((gl_uint)current);
+    return result;
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * gles.h - inside of the GLES backend: one object in the caller's block
+ *
+ * Block: nacre_gles, then desc.max_programs x gles_program, desc.max_items x gles_item, desc.max_textures x gles_texture.
+ * GL names are 0 where nothing is made. gles_check and gles_gl_failed are for calls that create; a draw asks no errors.
+ */
+#ifndef GLES_GLES_H
+#define GLES_GLES_H
+
+#include "key.h"
+#include "nacre_gles.h"
+#include "proc.h"
+#include "shade.h"
+#include "uniforms.h"
+
+/* Programs use at most the 8 units that ES 2.0 guarantees: the texts are then the same on every device. */
+#define GLES_MAX_UNITS 8
+
+typedef struct gles_caps {
+    uint8_t desktop;          /* desktop GL with ES 2.0 compatibility, as OSMesa gives */
+    uint8_t es3;              /* takes GLSL ES 3.00 */
+    uint8_t level_limit;      /* has GL_TEXTURE_MAX_LEVEL */
+    uint8_t unpack_rows;      /* has GL_UNPACK_ROW_LENGTH and its kin, and pixel unpack buffers */
+    uint8_t npot;             /* mips and repetition of textures whose sides are no powers of two */
+    uint8_t index_uint;       /* 32-bit indices */
+    uint8_t two_framebuffers; /* separate bindings for reading and drawing */
+    uint8_t vertex_arrays;
+    uint8_t samplers;     /* has sampler objects, which would override our filters */
+    uint8_t units;        /* texture units that we use, at most GLES_MAX_UNITS */
+    uint16_t etc1, etc2;  /* GL format for files of ETC1 and of any ETC2 RGB blocks; 0: none */
+    uint16_t max_texture; /* texels a side */
+    uint16_t fragment_vectors, vertex_vectors;
+} gles_caps;
+
+typedef struct gles_program {
+    gles_key key;
+    gl_uint name;  /* 0: free */
+    uint32_t used; /* value of nacre_gles.clock when it was last used */
+    gles_uniforms at;
+} gles_program;
+
+/* One layer of an image. The layers of one image lie side by side; the first counts the items that use them. */
+typedef struct gles_texture {
+    const nacre_image *image; /* NULL: free */
+    gl_uint name;
+    uint16_t users; /* of the whole image; layer 0 only */
+    uint8_t layer;
+    uint8_t role; /* nacre_role: filter and wrap follow from it */
+} gles_texture;
+
+typedef enum gles_source {
+    GLES_SOURCE_FREE = 0, /* slot not in use */
+    GLES_SOURCE_MESH,     /* buffers of ours, made from a borrowed mesh */
+    GLES_SOURCE_BUFFERS,  /* the caller's buffers */
+    GLES_SOURCE_LOST,     /* the caller's buffers, to be described again after a context loss */
+    GLES_SOURCE_BOUND     /* none: bind only */
+} gles_source;
+
+typedef struct gles_item {
+    uint32_t generation; /* 24 bits, of the id that is or will be given out */
+    uint8_t source;      /* gles_source */
+    uint16_t first_texture[NACRE_ROLE_COUNT];
+    const nacre_image *image[NACRE_ROLE_COUNT]; /* NULL: the material has none */
+    gl_uint vertex_buffer, index_buffer;        /* of GLES_SOURCE_MESH */
+    union {
+        nacre_mesh mesh;
+        nacre_gles_buffers buffers;
+    } is;
+    shade_material material;
+} gles_item;
+
+/* What draw and bind put back. */
+typedef struct gles_saved {
+    gl_int program, vertex_array, array_buffer, element_buffer, active_texture;
+    gl_int texture[GLES_MAX_UNITS], sampler[GLES_MAX_UNITS];
+    struct {
+        gl_int enabled, size, type, normalized, stride, buffer;
+        void *pointer;
+    } attribute[NACRE_GLES_ATTRIBUTE_COUNT];
+    uint8_t units;      /* 0..units - 1 are saved and changed */
+    uint8_t attributes; /* bit i: attribute i is saved and changed */
+    uint8_t buffers;    /* array and, without vertex arrays, element array bindings are saved and changed */
+    uint8_t arrays;     /* the vertex array binding is saved and changed */
+} gles_saved;
+
+/* Sums of light passes: high and low bytes, the previous and the new one. */
+typedef struct gles_targets {
+    gl_uint texture[4]; /* 2 i: high bytes, 2 i + 1: low bytes of sum i */
+    gl_uint framebuffer[4];
+    gl_uint depth;
+    uint16_t width, height; /* 0: none */
+} gles_targets;
+
+struct nacre_gles {
+    gles_procs gl;
+    nacre_gles_desc desc; /* defaults filled in */
+    gles_caps caps;
+    gles_program *programs;
+    gles_item *items;
+    gles_texture *textures;
+    gles_targets targets;
+    uint32_t clock;         /* programs' age */
+    uint32_t texture_bytes; /* textures and targets */
+    gl_uint vertex_array;   /* ours; 0 where the device has none */
+    uint32_t described;     /* id of the item whose buffers vertex_array describes, 0: none */
+    uint8_t enabled;        /* bit i: attribute i is enabled in vertex_array */
+    uint8_t resident;       /* GL objects exist */
+    uint8_t lost;           /* a call found the context lost */
+    uint8_t bound;          /* bind without unbind: saved is in use */
+    gles_saved saved;
+    nacre_gles_state changed;
+};
+
+/* caps.c */
+nacre_result gles_procs_load(nacre_gles *gles);
+nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl);
+
+/* lost.c: results, messages, and the life of GL objects */
+/* Log text and detail (may be NULL) as one message; returns result. */
+nacre_result gles_fail(nacre_gles *gles, nacre_result result, const char *text, const char *detail);
+/* Drop errors of earlier calls that were not ours; ERR_LOST when the context is (remembered: no GL call until restore). */
+nacre_result gles_begin(nacre_gles *gles);
+/* Read GL's errors: OK, ERR_LOST, or ERR_GL with a message. */
+nacre_result gles_check(nacre_gles *gles, const char *what);
+/* A call gave no object: gles_check, but never OK. */
+nacre_result gles_gl_failed(nacre_gles *gles, const char *what);
+/* Entry points, capabilities, and all that the items need. On failure nothing is left. */
+nacre_result gles_start(nacre_gles *gles);
+void gles_delete_all(nacre_gles *gles);
+
+/* material.c */
+/* Decode and check what the files say: ERR_ARGUMENT, ERR_ASSET. */
+nacre_result gles_material_read(shade_material *out, const nacre_material *material);
+/* The role a model's own image has, -1: no such model. */
+int gles_model_role(nacre_model model);
+
+/* item.c */
+/* NULL for ids that were never given out or are removed. */
+gles_item *gles_item_find(nacre_gles *gles, nacre_gles_item id);
+
+/* program.c */
+/* The program for key, compiled where needed, made current. */
+nacre_result gles_program_use(nacre_gles *gles, const gles_key *key, gles_program **out);
+void gles_program_delete(nacre_gles *gles, gles_program *program);
+
+/* upload.c: the caller saves and puts back bindings (gles_upload_begin) */
+/* Texel bytes of all layers of an image in that role; ERR_UNSUPPORTED. Makes nothing. */
+nacre_result gles_texture_cost(const gles_caps *caps, const nacre_image *image, unsigned role, uint32_t *bytes);
+/* Make one layer's texture. On failure the name, if any, is left in the record. */
+nacre_result gles_texture_upload(nacre_gles *gles, gles_texture *texture);
+nacre_result gles_mesh_upload(nacre_gles *gles, gles_item *item);
+void gles_mesh_delete(nacre_gles *gles, gles_item *item);
+
+/* state.c */
+typedef struct gles_upload_state {
+    gl_int texture, array_buffer, element_buffer, alignment, unpack_buffer, row[3];
+} gles_upload_state;
+/* Save what uploads change and set what they need; put it back. */
+void gles_upload_begin(const nacre_gles *gles, gles_upload_state *state);
+void gles_upload_end(const nacre_gles *gles, const gles_upload_state *state);
+/* Save program and texture unit. With query 0, here and below, nothing is asked and only what changes is noted. */
+void gles_save(const nacre_gles *gles, gles_saved *saved, int query);
+/* same: our vertex array already describes the buffers. attributes: bit i: array i is going to be used. */
+void gles_save_buffers(const nacre_gles *gles, gles_saved *saved, unsigned attributes, int same, int query);
+/* Bind a texture, saving what was there the first time. */
+void gles_texture_bind(const nacre_gles *gles, gles_saved *saved, unsigned unit, gl_uint name, int query);
+void gles_put_back(const nacre_gles *gles, const gles_saved *saved);
+/* Under host_resets_state, in place of gles_put_back: report what was left. */
+void gles_note(nacre_gles *gles, const gles_saved *saved);
+
+/* draw.c */
+typedef struct gles_draw { /* one draw on its way */
+    const nacre_view *view;
+    const gles_item *item;
+    uint32_t id;
+    uint8_t sum_lights; /* 0: one pass; else passes of so many lights (1, 2 or 4) and a last one without */
+    int query;          /* 0 under host_resets_state */
+    int form;           /* shade_form of frame, -1: not set up */
+    nacre_q16 centre[3];
+    gles_vertex_map vertices;
+    shade_frame frame;
+} gles_draw;
+/* The key of a pass with so many lights (gles_key_pass). */
+void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, unsigned lights, unsigned pass);
+/* Lights of the pass that begins with this one. */
+unsigned gles_pass_lights(const gles_draw *draw, unsigned first_light);
+/* Program, the model's textures and uniforms of one pass. */
+nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_key *key,
+                            unsigned first_light, gl_uint *program);
+void gles_bind_vertices(nacre_gles *gles, const gles_draw *draw, gles_saved *saved);
+/* glDraw* of the item. */
+void gles_issue(const nacre_gles *gles, const gles_item *item);
+
+/* passes.c */
+nacre_result gles_draw_passes(nacre_gles *gles, gles_draw *draw, gles_saved *saved);
+void gles_targets_delete(nacre_gles *gles);
+
+#endif

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * key - which shader text: a few small numbers, their name, and the text they give
+ *
+ * Keys are compared with memcmp: zero the whole struct first.
+ */
+#ifndef GLES_KEY_H
+#define GLES_KEY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include "shade.h"
+
+typedef enum gles_key_model { GLES_KEY_TABLE, GLES_KEY_FINE, GLES_KEY_SPHERES, GLES_KEY_PAPER } gles_key_model;
+
+/* Passes, for light counts that one program can't hold. SUM_HIGH and SUM_LOW are drawn one after the other into two
+   RGBA8 targets of the viewport's size, cleared to 0 before the first lights: they read both bytes of the previous sum,
+   add their 1, 2 or 4 lights (fill up with lights of the frame that have no factor: index >= light_count) and write the
+   high or the low byte of the new sum. LAST has no lights: it reads the sum, adds ambient, encodes to the caller's
+   target. Sums are clamped to 1 (srgb, sqrt) or to 16 (linear output, held x 1/16; gles_uniforms_set scales). The
+   previous sum is read with texture2DProj at the pixel's own place: nearest filter, clamp to edge; the viewport is the
+   whole target. */
+typedef enum gles_key_pass { GLES_PASS_NONE, GLES_PASS_SUM_HIGH, GLES_PASS_SUM_LOW, GLES_PASS_LAST } gles_key_pass;
+
+typedef struct gles_key {
+    uint8_t model;      /* gles_key_model */
+    uint8_t phid;       /* table: 1 when any W is not 0 (fine: always 1; others: 0) */
+    uint8_t lights;     /* 0..8 of this pass; 0: ambient alone */
+    uint8_t persp;      /* shade_needs_persp; 0 when lights is 0. */
+    uint8_t output;     /* nacre_output; as the view says, also for SUM passes */
+    uint8_t power48;    /* tables: 1: p = 4.8, 0: p = 4; others 0 */
+    uint8_t normal_map; /* 0, 1 */
+    uint8_t es3;        /* 1: GLSL ES 3.00 */
+    uint8_t ambient;    /* 1: the view's ambient is not 0 (in passes: LAST only) */
+    uint8_t pass;       /* gles_key_pass */
+    uint8_t layers;     /* spheres and paper, persp: 4, 6 or 8 units; others 0 */
+    uint8_t zero;
+} gles_key;
+
+#define GLES_KEY_NAME_SIZE 64
+
+/* "table_phid_l1_dist_srgb_nm"; without extension. out: GLES_KEY_NAME_SIZE bytes. */
+void gles_key_name(const gles_key *key, char *out);
+
+/* Zero or fix what makes no difference, so that equal texts have equal keys; call before comparing or naming. Lights 0:
+   ambient alone, whatever the model; SUM passes: the same for every output and without ambient. */
+void gles_key_canonical(gles_key *key);
+
+/* Smallest layer class (4, 6, 8) that holds layers, at most what so many texture units hold (4..8). */
+uint8_t gles_key_layer_class(unsigned layers, unsigned units);
+
+/* What a program needs of the device. Vectors as GLSL ES 1.00 appendix A counts them. */
+unsigned gles_key_uniform_vectors(const gles_key *key); /* fragment stage */
+unsigned gles_key_units(const gles_key *key);           /* texture units in use */
+
+/* Texture units, in this order: the model's own from 0: table: 0; fine: 0 and 1 (second layer); spheres dist: 2 i and
+   2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i].
+   Then, where the key has them, the normal map and the two bytes of the previous sum. -1: none. */
+int gles_key_unit_normal(const gles_key *key);
+int gles_key_unit_sum(const gles_key *key); /* high; the low one follows */
+
+/* How light factors are prepared for this program (argument of shade_setup). */
+shade_form gles_key_form(const gles_key *key);
+
+/* Most lights (1..8, or 0 if not even one) that a program like key (its own lights and pass are ignored; pass says
+   is a gles_key_pass; with a pass 1, 2 or 4) can take on a device with so many fragment uniform vectors and texture units. */
+unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);
+
+/* Every key that can arise with 8 texture units, in a fixed order; returns the number, writes up to count keys. */
+unsigned gles_key_list(gles_key *out, unsigned count);
+
+#define GLES_TEXT_PARTS   5
+#define GLES_DEFINES_SIZE 512
+
+/* Parts of the source for glShaderSource: version and #defines (written to defines, GLES_DEFINES_SIZE bytes), then
+   embedded files. Returns the number of parts, at most GLES_TEXT_PARTS. */
+int gles_text(const gles_key *key, int fragment, const char *part[GLES_TEXT_PARTS], int length[GLES_TEXT_PARTS],
+              char *defines);
+
+#endif

@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: MIT */
+#include "key.h"
+
+/* shaders_gles/ as byte arrays, made by tools/gen/embed. */
+extern const unsigned char embedded_common_glsl[], embedded_table_glsl[], embedded_spheres_glsl[];
+extern const unsigned char embedded_frame_vert[], embedded_frame_frag[];
+extern const unsigned long embedded_common_glsl_size, embedded_table_glsl_size, embedded_spheres_glsl_size;
+extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size;
+
+/* ES 2.0 minimum. */
+#define UNITS SHADE_MAX_UNITS
+
+static int is_table(const gles_key *key)
+{
+    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+}
+
+/* ---- small texts --------------------------------------------------------------------------------- */
+
+static char *put(char *out, const char *text)
+{
+    while (*text) *out++ = *text++;
+    *out = 0;
+    return out;
+}
+
+static char *put_digit(char *out, unsigned digit)
+{
+    *out++ = (char)('0' + digit);
+    *out = 0;
+    return out;
+}
+
+void gles_key_name(const gles_key *key, char *out)
+{
+    static const char *const model[] = {"table", "fine", "spheres", "paper"};
+    static const char *const output[] = {"_srgb", "_sqrt", "_lin"};
+
+    if (key->es3) out = put(out, "es3_");
+    out = put(out, model[key->model]);
+    if (key->model == GLES_KEY_TABLE && key->phid) out = put(out, "_phid");
+    out = put_digit(put(out, "_l"), key->lights);
+    out = put(out, key->persp ? "_persp" : "_dist");
+    out = put(out, output[key->output]);
+    if (key->normal_map) out = put(out, "_nm");
+    if (key->ambient) out = put(out, "_amb");
+    if (key->layers && key->layers != 4) out = put_digit(put(out, "_s"), key->layers);
+    if (key->pass) out = put_digit(put(out, "_pass"), key->pass);
+    if (is_table(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
+        put(out, key->power48 ? "_p48" : "_p4");
+}
+
+/* ---- what a key needs ---------------------------------------------------------------------------- */
+
+uint8_t gles_key_layer_class(unsigned layers, unsigned units)
+{
+    unsigned size = 4;
+
+    while (size < layers && size + 2 <= units && size < SHADE_MAX_UNITS) size += 2;
+    return (uint8_t)size;
+}
+
+shade_form gles_key_form(const gles_key *key)
+{
+    if (key->lights != 1 || key->ambient || key->pass || key->output == NACRE_OUTPUT_LINEAR) return SHADE_LINEAR;
+    if (key->model == GLES_KEY_PAPER)
+        return key->output == NACRE_OUTPUT_SRGB && !key->persp ? SHADE_SRGB : SHADE_LINEAR;
+    return key->output == NACRE_OUTPUT_SRGB && is_table(key) && key->power48 ? SHADE_SRGB : SHADE_ROOT;
+}
+
+unsigned gles_key_uniform_vectors(const gles_key *key)
+{
+    const unsigned lights = key->lights, common = key->ambient ? 1 : 0;
+
+    if (!lights) return common;
+    if (is_table(key)) {
+        if (key->persp) return common + 2 * lights + 4;
+        return common + (lights == 1 ? 5 : 3 * lights + 1);
+    }
+    if (key->persp) return common + 2 * lights + 1 + (key->layers > 4 ? 10 : 5);
+    return common + 6 * lights;
+}
+
+static unsigned model_units(const gles_key *key)
+{
+    if (!key->lights) return 0;
+    if (is_table(key)) return key->model == GLES_KEY_FINE ? 2 : 1;
+    return key->persp ? key->layers : 2u * key->lights;
+}
+
+static int uses_normal_map(const gles_key *key)
+{
+    return key->normal_map && key->lights;
+}
+
+unsigned gles_key_units(const gles_key *key)
+{
+    return model_units(key) + (uses_normal_map(key) ? 1 : 0) + (key->pass ? 2 : 0);
+}
+
+int gles_key_unit_normal(const gles_key *key)
+{
+    return uses_normal_map(key) ? (int)model_units(key) : -1;
+}
+
+int gles_key_unit_sum(const gles_key *key)
+{
+    return key->pass ? (int)gles_key_units(key) - 2 : -1;
+}
+
+/* Passes hold 1, 2 or 4 lights (lights without power fill up), so that there are fewer texts. */
+static int fits_pass(unsigned lights)
+{
+    return lights == 1 || lights == 2 || lights == 4;
+}
+
+void gles_key_canonical(gles_key *key)
+{
+    const int sum = key->pass == GLES_PASS_SUM_HIGH || key->pass == GLES_PASS_SUM_LOW;
+    int light;
+
+    if (sum) key->output = key->ambient = 0;
+    if (key->pass == GLES_PASS_LAST) key->lights = 0;
+    light = key->lights != 0;
+    if (!light) key->model = GLES_KEY_TABLE, key->persp = key->normal_map = 0;
+    key->phid = (uint8_t)(light && (key->model == GLES_KEY_FINE || (key->model == GLES_KEY_TABLE && key->phid)));
+    key->power48 = (uint8_t)(light && is_table(key) && key->power48);
+    if (is_table(key) || !key->persp) key->layers = 0;
+    key->zero = 0;
+}
+
+unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units)
+{
+    gles_key k = *key;
+
+    k.pass = (uint8_t)pass;
+    for (k.lights = NACRE_MAX_LIGHTS; k.lights; k.lights--)
+        if ((!pass || fits_pass(k.lights)) && gles_key_uniform_vectors(&k) <= uniform_vectors &&
+            gles_key_units(&k) <= units)
+            break;
+    return k.lights;
+}
+
+/* ---- the text ------------------------------------------------------------------------------------ */
+
+static char *define(char *out, const char *name, unsigned value)
+{
+    out = put(put(put(out, "#define "), name), " ");
+    return put(put_digit(out, value), "\n");
+}
+
+static char *write_defines(const gles_key *key, int fragment, char *out)
+{
+    out = put(out, key->es3 ? "#version 300 es\n" : "#version 100\n");
+    out = define(out, fragment ? "STAGE_FRAGMENT" : "STAGE_VERTEX", 1);
+    out = define(out, "ES3", key->es3);
+    out = define(out, "LIGHTS", key->lights);
+    out = define(out, "PERSP", key->persp);
+    out = define(out, "NORMAL_MAP", (unsigned)uses_normal_map(key));
+    out = define(out, "PASS", key->pass);
+    if (!fragment) return out;
+    out = define(out, "FINE", key->model == GLES_KEY_FINE);
+    out = define(out, "PHID", key->phid);
+    out = define(out, "PAPER", key->model == GLES_KEY_PAPER);
+    out = define(out, "POWER48", key->power48);
+    out = define(out, "AMBIENT", key->ambient);
+    out = define(out, "LAYERS", key->layers);
+    out = define(out, "FORM", gles_key_form(key));
+    out = define(out, "FORM_ROOT", SHADE_ROOT);
+    out = define(out, "FORM_SRGB", SHADE_SRGB);
+    out = define(out, "OUTPUT", key->output);
+    out = define(out, "OUTPUT_SRGB", NACRE_OUTPUT_SRGB);
+    out = define(out, "OUTPUT_LINEAR", NACRE_OUTPUT_LINEAR);
+    out = define(out, "PASS_SUM_HIGH", GLES_PASS_SUM_HIGH);
+    out = define(out, "PASS_SUM_LOW", GLES_PASS_SUM_LOW);
+    return define(out, "PASS_LAST", GLES_PASS_LAST);
+}
+
+int gles_text(const gles_key *key, int fragment, const char *part[GLES_TEXT_PARTS], int length[GLES_TEXT_PARTS],
+              char *defines)
+{
+    int n = 0;
+
+#define PART(name) (part[n] = (const char *)embedded_##name, length[n++] = (int)embedded_##name##_size)
+    part[n] = defines;
+    length[n++] = (int)(write_defines(key, fragment, defines) - defines);
+    PART(common_glsl);
+    if (!fragment) {
+        PART(frame_vert);
+        return n;
+    }
+    if (is_table(key))
+        PART(table_glsl);
+    else
+        PART(spheres_glsl);
+    PART(frame_frag);
+#undef PART
+    return n;
+}
+
+/* ---- every key ----------------------------------------------------------------------------------- */
+
+typedef struct key_list {
+    gles_key *out;
+    unsigned count, room;
+} key_list;
+
+/* Append key if it can be drawn with 8 units. */
+static void add(key_list *list, const gles_key *key)
+{
+    if (gles_key_units(key) > UNITS) return;
+    if (list->count < list->room) list->out[list->count] = *key;
+    list->count++;
+}
+
+static void add_passes(key_list *list, gles_key key)
+{
+    for (key.ambient = 0; key.ambient < 2; key.ambient++) add(list, &key);
+    if (!fits_pass(key.lights)) return;
+    key.ambient = 0;
+    for (key.pass = GLES_PASS_SUM_HIGH; key.pass < GLES_PASS_LAST && !key.output; key.pass++) add(list, &key);
+}
+
+static void add_lights(key_list *list, gles_key key)
+{
+    for (key.lights = 1; key.lights <= NACRE_MAX_LIGHTS; key.lights++)
+        for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add_passes(list, key);
+}
+
+static void add_cameras(key_list *list, gles_key key)
+{
+    for (key.persp = 0; key.persp < 2; key.persp++) {
+        if (is_table(&key)) {
+            for (key.power48 = 0; key.power48 < 2; key.power48++) add_lights(list, key);
+            key.power48 = 0;
+        } else if (!key.persp) {
+            add_lights(list, key);
+        } else {
+            for (key.layers = 4; key.layers <= UNITS; key.layers = (uint8_t)(key.layers + 2)) add_lights(list, key);
+            key.layers = 0;
+        }
+    }
+}
+
+unsigned gles_key_list(gles_key *out, unsigned count)
+{
+    static const struct {
+        uint8_t model, phid;
+    } kinds[] = {
+        {GLES_KEY_TABLE, 0}, {GLES_KEY_TABLE, 1}, {GLES_KEY_FINE, 1}, {GLES_KEY_SPHERES, 0}, {GLES_KEY_PAPER, 0}};
+    static const gles_key zero;
+    key_list list = {0, 0, 0};
+    gles_key key;
+    unsigned i;
+
+    list.out = out;
+    list.room = count;
+    for (key = zero; key.es3 < 2; key.es3++)
+        for (key.output = 0; key.output <= NACRE_OUTPUT_LINEAR; key.output++) {
+            gles_key ambient = key;
+
+            ambient.ambient = 1;
+            add(&list, &ambient);
+            ambient.pass = GLES_PASS_LAST;
+            for (ambient.ambient = 0; ambient.ambient < 2; ambient.ambient++) add(&list, &ambient);
+            for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+                key.model = kinds[i].model;
+                key.phid = kinds[i].phid;
+                add_cameras(&list, key);
+            }
+            key.model = key.phid = 0;
+        }
+    return list.count;
+}

@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+#include "uniforms.h"
+
+#include "nacre_gles.h"
+
+#define MOST_VECTORS 10
+
+typedef struct vectors { /* what one glUniform4fv sets */
+    gl_float v[MOST_VECTORS][4];
+} vectors;
+
+/* ---- integers into floats ------------------------------------------------------------------------ */
+
+/* x 2^e; both within float's range. */
+static gl_float real(int64_t x, int e)
+{
+    gl_float f = (gl_float)x;
+
+    if (!x) return 0.0f;
+    for (; e >= 16; e -= 16) f *= 65536.0f;
+    for (; e <= -16; e += 16) f *= 1.0f / 65536.0f;
+    for (; e > 0; e--) f *= 2.0f;
+    for (; e < 0; e++) f *= 0.5f;
+    return f;
+}
+
+static gl_float from_real(fx_real x)
+{
+    return real(x.m, x.e);
+}
+
+static gl_float from_q28(int32_t x)
+{
+    return (gl_float)x * (1.0f / 268435456.0f);
+}
+
+static gl_float from_q16(nacre_q16 x)
+{
+    return (gl_float)x * (1.0f / 65536.0f);
+}
+
+static void put_q28(gl_float *out, const int32_t *x, int count)
+{
+    int i;
+
+    for (i = 0; i < count; i++) out[i] = from_q28(x[i]);
+}
+
+static void put_real(gl_float *out, const fx_real *x, int count)
+{
+    int i;
+
+    for (i = 0; i < count; i++) out[i] = from_real(x[i]);
+}
+
+/* ---- locations ----------------------------------------------------------------------------------- */
+
+const char *gles_attribute_name(unsigned location)
+{
+    static const char *const name[NACRE_GLES_ATTRIBUTE_COUNT] = {"a_position", "a_normal", "a_tangent", "a_uv"};
+
+    return location < NACRE_GLES_ATTRIBUTE_COUNT ? name[location] : 0;
+}
+
+static void set_sampler(const gles_procs *gl, gl_uint program, const char *name, int unit)
+{
+    const gl_int at = unit < 0 ? -1 : gl->GetUniformLocation(program, name);
+
+    if (at >= 0) gl->Uniform1i(at, unit);
+}
+
+void gles_uniforms_locate(const gles_procs *gl, gl_uint program, const gles_key *key, gles_uniforms *out)
+{
+    char map[] = "u_map[0]";
+    const int sum = gles_key_unit_sum(key);
+    int i;
+
+#define GLES_U(name) out->name = gl->GetUniformLocation(program, "u_" #name);
+    GLES_UNIFORMS(GLES_U)
+#undef GLES_U
+    for (i = 0; i < SHADE_MAX_UNITS; i++) {
+        map[6] = (char)('0' + i);
+        set_sampler(gl, program, map, i);
+    }
+    set_sampler(gl, program, "u_normal_map", gles_key_unit_normal(key));
+    set_sampler(gl, program, "u_sum_high", sum);
+    set_sampler(gl, program, "u_sum_low", sum < 0 ? sum : sum + 1);
+}
+
+/* ---- the vertex stage ---------------------------------------------------------------------------- */
+
+typedef int64_t matrix3[3][3]; /* [row][column] */
+
+/* Shift all entries alike so that the largest has its top bit at 29. */
+static void level(matrix3 m)
+{
+    uint64_t all = 0;
+    int i, shift;
+
+    for (i = 0; i < 9; i++) all |= (uint64_t)(m[i / 3][i % 3] < 0 ? -m[i / 3][i % 3] : m[i / 3][i % 3]);
+    if (!all) return;
+    shift = fx_top_bit(all) - 29;
+    for (i = 0; i < 9; i++) {
+        int64_t *const x = &m[i / 3][i % 3];
+
+        *x = shift > 0 ? fx_shift(*x, shift) : *x * ((int64_t)1 << -shift);
+    }
+}
+
+/* The cofactors: the inverse transpose times the determinant. Returns the determinant's sign. */
+static int cofactors(matrix3 m, matrix3 out)
+{
+    int64_t determinant = 0;
+    int i, j;
+
+    for (i = 0; i < 3; i++)
+        for (j = 0; j < 3; j++) {
+            const int r = (i + 1) % 3, s = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+
+            out[i][j] = m[r][c] * m[s][d] - m[r][d] * m[s][c];
+        }
+    level(out);
+    for (i = 0; i < 3; i++) determinant += fx_shift(m[0][i] * out[0][i], 2);
+    return determinant < 0 ? -1 : 1;
+}
+
+static void set_turned(const gles_procs *gl, gl_int at, const shade_frame *frame, matrix3 m, int sign)
+{
+    gl_float out[9]; /* column-major */
+    int i, j;
+
+    if (at < 0) return;
+    for (i = 0; i < 3; i++)
+        for (j = 0; j < 3; j++) {
+            const int32_t *const t = frame->turn_q28[i];
+
+            out[3 * j + i] = real(sign * (t[0] * m[0][j] + t[1] * m[1][j] + t[2] * m[2][j]), -58);
+        }
+    gl->UniformMatrix3fv(at, 1, 0, out);
+}
+
+static void set_matrices(const gles_procs *gl, const gles_uniforms *at, const nacre_view *view,
+                         const gles_vertex_map *vertices, const shade_frame *frame)
+{
+    const nacre_q16 *const a = view->view_to_clip.m, *const b = view->object_to_view.m;
+    gl_float clip[16], object[16], extent[4], centre[4], uv[4];
+    matrix3 linear, normal;
+    int i, j, sign;
+
+    for (i = 0; i < 16; i++) {
+        int64_t sum = 0; /* q30: four products of q16 fit */
+
+        for (j = 0; j < 4; j++) sum += fx_shift((int64_t)a[4 * j + i % 4] * b[i / 4 * 4 + j], 2);
+        clip[i] = real(sum, -30);
+        object[i] = real(b[i], frame->position_shift - 16);
+    }
+    gl->UniformMatrix4fv(at->clip, 1, 0, clip);
+    if (at->view >= 0) gl->UniformMatrix4fv(at->view, 1, 0, object);
+
+    for (i = 0; i < 9; i++) linear[i / 3][i % 3] = b[i % 3 * 4 + i / 3];
+    level(linear);
+    sign = cofactors(linear, normal);
+    set_turned(gl, at->normal, frame, normal, sign);
+    set_turned(gl, at->tangent, frame, linear, 1);
+
+    for (i = 0; i < 3; i++) {
+        extent[i] = from_q16(vertices->half_extent[i]);
+        centre[i] = from_q16(vertices->centre[i]);
+    }
+    extent[3] = (gl_float)sign;
+    centre[3] = 0.0f;
+    gl->Uniform4fv(at->extent, 1, extent);
+    gl->Uniform4fv(at->centre, 1, centre);
+    uv[0] = vertices->uv_q11 ? 1.0f / 2048.0f : 1.0f;
+    uv[1] = -uv[0];
+    uv[2] = 0.0f;
+    uv[3] = 1.0f;
+    if (at->uv >= 0) gl->Uniform4fv(at->uv, 1, uv);
+}
+
+/* ---- the fragment stage -------------------------------------------------------------------------- */
+
+static void set(const gles_procs *gl, gl_int at, const vectors *value, unsigned count)
+{
+    if (at >= 0) gl->Uniform4fv(at, (gl_sizei)count, value->v[0]);
+}
+
+/* Light index of the frame, or one without power beyond its end. */
+static const shade_light *light_of(const shade_frame *frame, unsigned index)
+{
+    return &frame->light[index < NACRE_MAX_LIGHTS ? index : NACRE_MAX_LIGHTS - 1];
+}
+
+/* Factors of the lights; the fourth parts (row, weight, ...) are filled in by the models. */
+static void put_factors(vectors *out, const gles_key *key, const shade_frame *frame, unsigned first, gl_float scale)
+{
+    unsigned i, j;
+
+    for (i = 0; i < key->lights; i++)
+        for (j = 0; j < 3; j++)
+            out->v[i][j] =
+                first + i < NACRE_MAX_LIGHTS ? from_real(light_of(frame, first + i)->factor[j]) * scale : 0.0f;
+}
+
+static void put_phi(gl_float *out, const shade_table_draw *draw)
+{
+    int i;
+
+    for (i = 0; i < 3; i++) out[i] = from_q16(draw->phi_q16[i]);
+    out[3] = 0.0f;
+}
+
+static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const shade_frame *frame)
+{
+    const shade_table_draw *const draw = &frame->is.table;
+    vectors model = {{{0}}};
+
+    model.v[0][0] = from_real(draw->scale);
+    model.v[0][1] = from_real(draw->bias);
+    model.v[0][2] = from_real(draw->two_eps);
+    put_q28(model.v[1], draw->row_q28, 3);
+    put_phi(model.v[2], draw);
+    set(gl, at->model, &model, 3);
+}
+
+static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
+                           unsigned first, vectors *factor)
+{
+    const shade_table_draw *const draw = &frame->is.table;
+    vectors half, light, slope, model;
+    unsigned i;
+
+    for (i = 0; i < key->lights; i++) {
+        const shade_table_setup *const s = &light_of(frame, first + i)->is.table;
+
+        put_q28(half.v[i], s->half_q28, 3);
+        half.v[i][3] = from_real(draw->root_two_eps);
+        put_q28(light.v[i], s->to_light_q28, 3);
+        light.v[i][3] = from_real(draw->scale);
+        put_q28(slope.v[i], s->slope_q28, 3);
+        slope.v[i][3] = from_real(draw->bias);
+        factor->v[i][3] = from_q28(s->row_q28);
+    }
+    put_phi(model.v[0], draw);
+    model.v[0][3] = from_real(draw->bias);
+    set(gl, at->half, &half, key->lights);
+    set(gl, at->light, &light, key->lights);
+    set(gl, at->slope, &slope, key->lights);
+    set(gl, at->model, &model, 1);
+}
+
+static void set_spheres_persp(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
+                              const shade_frame *frame, vectors *factor)
+{
+    const shade_spheres_draw *const draw = &frame->is.spheres;
+    const int paper = key->model == GLES_KEY_PAPER;
+    vectors model = {{{0}}};
+    unsigned i;
+
+    for (i = 0; i < key->layers; i++) {
+        gl_float(*const group)[4] = &model.v[i / 4 * 5];
+
+        group[0][i % 4] = from_q28(paper ? draw->polar_q28[i] : draw->cos_q28[i]);
+        group[1][i % 4] = from_q28(draw->sin_q28[i]);
+        group[2][i % 4] = from_q28(draw->rim_q28[i]);
+        group[3][i % 4] = from_real(draw->ramp[i][0]);
+        group[4][i % 4] = from_real(draw->ramp[i][1]);
+    }
+    if (paper) model.v[1][0] = from_q28(draw->polar_q28[draw->count - 1]);
+    for (i = 0; i < key->lights; i++) factor->v[i][3] = from_q28(draw->half_disc_q28);
+    set(gl, at->model, &model, key->layers > 4 ? 10 : 5);
+}
+
+static void set_spheres_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
+                             const shade_frame *frame, unsigned first, vectors *factor)
+{
+    vectors x1 = {{{0}}}, x2 = x1, y = x1, rim = x1, light = x1;
+    unsigned i;
+
+    for (i = 0; i < key->lights; i++) {
+        const shade_spheres_setup *const s = &light_of(frame, first + i)->is.spheres;
+
+        put_q28(x1.v[i], s->x_q28[0], 3);
+        put_q28(x2.v[i], s->x_q28[1], 3);
+        put_q28(y.v[i], s->y_q28, 3);
+        put_q28(rim.v[i], s->rim_q28, 3);
+        put_q28(light.v[i], s->to_light_q28, 3);
+        factor->v[i][3] = from_q28(s->weight_q28);
+    }
+    set(gl, at->x1, &x1, key->lights);
+    set(gl, at->x2, &x2, key->lights);
+    set(gl, at->y, &y, key->lights);
+    set(gl, at->rim, &rim, key->lights);
+    set(gl, at->light, &light, key->lights);
+}
+
+static void set_paper_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
+                           unsigned first, vectors *factor)
+{
+    vectors azimuth, turn[3], bound;
+    unsigned i;
+    int j;
+
+    for (i = 0; i < key->lights; i++) {
+        const shade_light *const light = light_of(frame, first + i);
+        const shade_spheres_setup *const s = &light->is.spheres;
+
+        put_q28(azimuth.v[i], s->azimuth_q28, 2);
+        put_q28(azimuth.v[i] + 2, s->half_q28, 2);
+        for (j = 0; j < 3; j++) put_q28(turn[j].v[i], s->turn_q28[j], 4);
+        put_real(bound.v[i], light->linear, 3);
+        bound.v[i][3] = from_q28(frame->is.spheres.half_disc_q28);
+        factor->v[i][3] = from_q28(s->weight_q28);
+    }
+    set(gl, at->azimuth, &azimuth, key->lights);
+    set(gl, at->turn0, &turn[0], key->lights);
+    set(gl, at->turn1, &turn[1], key->lights);
+    set(gl, at->turn2, &turn[2], key->lights);
+    set(gl, at->bound, &bound, key->lights);
+}
+
+static void set_positions(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
+                          unsigned first)
+{
+    vectors light, eye;
+    unsigned i;
+
+    for (i = 0; i < key->lights; i++) put_real(light.v[i], light_of(frame, first + i)->position, 4);
+    put_real(eye.v[0], frame->eye, 4);
+    set(gl, at->light, &light, key->lights);
+    set(gl, at->eye, &eye, 1);
+}
+
+void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const nacre_view *view,
+                       const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light)
+{
+    /* sums of passes for linear output are held x 1/16 */
+    const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
+    const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+    vectors factor = {{{0}}}, ambient = {{{0}}};
+    int i;
+
+    set_matrices(gl, at, view, vertices, frame);
+    for (i = 0; i < 3; i++) ambient.v[0][i] = from_real(frame->ambient[i]) * scale;
+    set(gl, at->ambient, &ambient, 1);
+    if (!key->lights) return;
+    put_factors(&factor, key, frame, first_light, scale);
+    if (key->persp) set_positions(gl, at, key, frame, first_light);
+    if (table && key->persp) set_table_persp(gl, at, frame);
+    else if (table) set_table_dist(gl, at, key, frame, first_light, &factor);
+    else if (key->persp) set_spheres_persp(gl, at, key, frame, &factor);
+    else if (key->model == GLES_KEY_PAPER) set_paper_dist(gl, at, key, frame, first_light, &factor);
+    else set_spheres_dist(gl, at, key, frame, first_light, &factor);
+    set(gl, at->factor, &factor, key->lights);
+}

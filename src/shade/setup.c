@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT */
+#include "shade.h"
+
+#define LOG2_PI_Q16    108232    /* log2(pi) */
+#define LOG2_1055_Q16  5062      /* log2(1.055) */
+#define LH_LEAST_Q28   5905580   /* .022: keeps 1 / l.h of lights behind the object finite */
+#define LV_LEAST_Q28   -268167021 /* -.999: beyond it the half vector is undefined */
+#define LIMIT_LINEAR   (11 * 65536) /* log2 of 2,048: eight lights stay below 16,384 */
+#define LIMIT_ROOT     (8 * 65536)
+
+/* ---- vectors and matrices ------------------------------------------------------------------------ */
+
+static int is_perspective(const nacre_view *view)
+{
+    const nacre_q16 *m = view->view_to_clip.m;
+
+    return m[3] || m[7] || m[11] || m[15] != NACRE_Q16_ONE;
+}
+
+int shade_needs_persp(const nacre_view *view)
+{
+    int i;
+
+    for (i = 0; i < view->light_count && i < NACRE_MAX_LIGHTS; i++)
+        if (view->lights[i].type == NACRE_LIGHT_POINT) return 1;
+    return view->light_count && is_perspective(view) && !view->distant_viewer;
+}
+
+/* object_to_view x point, q16. */
+static void to_view(const nacre_mat4 *m, const nacre_q16 point[3], int64_t out[3])
+{
+    int i;
+
+    for (i = 0; i < 3; i++)
+        out[i] = m->m[12 + i] + fx_shift((int64_t)m->m[i] * point[0] / 4 + (int64_t)m->m[4 + i] * point[1] / 4 +
+                                             (int64_t)m->m[8 + i] * point[2] / 4,
+                                         14);
+}
+
+/* Length of a q16 vector, |v| < 2^40. */
+static fx_real length(const int64_t v[3])
+{
+    uint64_t largest = 0, sum = 0;
+    int shift, i;
+
+    for (i = 0; i < 3; i++) largest |= (uint64_t)(v[i] < 0 ? -v[i] : v[i]);
+    if (!largest) return fx_real_make(0, 0);
+    shift = fx_top_bit(largest) - 29;
+    for (i = 0; i < 3; i++) {
+        const int64_t x = shift > 0 ? fx_shift(v[i], shift) : v[i] * ((int64_t)1 << -shift);
+        sum += (uint64_t)(x * x);
+    }
+    return fx_real_make(fx_isqrt(sum), shift - 16);
+}
+
+/* The least rotation that takes the unit vector v to +z. */
+static void rotation_to_z(const int32_t v[3], int32_t row[3][3])
+{
+    const int64_t a = v[0], b = v[1], c = v[2], d = FX_Q28_ONE + c;
+    int i;
+
+    for (i = 0; i < 3; i++) row[2][i] = v[i];
+    if (d < FX_Q28_ONE / 1024) { /* behind the eye: never drawn, but finite */
+        const int32_t flip[3][3] = {{FX_Q28_ONE, 0, 0}, {0, -FX_Q28_ONE, 0}, {0, 0, -FX_Q28_ONE}};
+
+        for (i = 0; i < 9; i++) row[i / 3][i % 3] = flip[i / 3][i % 3];
+        return;
+    }
+    row[0][0] = (int32_t)(FX_Q28_ONE - fx_div(a * a, d));
+    row[0][1] = row[1][0] = (int32_t)-fx_div(a * b, d);
+    row[1][1] = (int32_t)(FX_Q28_ONE - fx_div(b * b, d));
+    row[0][2] = (int32_t)-a;
+    row[1][2] = (int32_t)-b;
+}
+
+/* ---- how much light ------------------------------------------------------------------------------ */
+
+static const nacre_q16 *part(const nacre_rgb *rgb, int channel)
+{
+    return channel == 0 ? &rgb->r : channel == 1 ? &rgb->g : &rgb->b;
+}
+
+/* log2 of tint x exposure; 0 when either is not positive. */
+static int view_log2(const nacre_view *view, int channel, int64_t *out)
+{
+    const nacre_q16 exposure = view->exposure ? view->exposure : NACRE_Q16_ONE;
+    const int plain = !(view->tint.r | view->tint.g | view->tint.b);
+    const nacre_q16 tint = plain ? NACRE_Q16_ONE : *part(&view->tint, channel);
+
+    *out = (int64_t)fx_log2_q16(exposure) + fx_log2_q16(tint);
+    return exposure > 0 && tint > 0;
+}
+
+static int light_log2(const nacre_light *light, int channel, int64_t *out)
+{
+    const nacre_q16 power = *part(&light->power, channel);
+    const int32_t open = light->shadow <= 0 ? NACRE_Q14_ONE : NACRE_Q14_ONE - light->shadow;
+
+    *out = (int64_t)fx_log2_q16(power) + fx_log2_q16(open > 0 ? 4 * open : 0);
+    return power > 0 && open > 0;
+}
+
+/* 2^log2 as the program wants it, kept inside what fp16 can multiply with. */
+static fx_real shaped(int64_t log2_q16, shade_form form, const shade_material *material)
+{
+    if (form == SHADE_LINEAR) return fx_real_exp2(log2_q16 < LIMIT_LINEAR ? log2_q16 : LIMIT_LINEAR);
+    if (form == SHADE_ROOT) {
+        log2_q16 = fx_shift(log2_q16, 1);
+    } else {
+        log2_q16 = fx_div(log2_q16 * 5, 12);
+        if (material->model == NACRE_MODEL_TABLE) log2_q16 += LOG2_1055_Q16;
+    }
+    return fx_real_exp2(log2_q16 < LIMIT_ROOT ? log2_q16 : LIMIT_ROOT);
+}
+
+static int32_t model_log2(const shade_material *material, int channel)
+{
+    if (material->model == NACRE_MODEL_TABLE) return shade_table_log2(&material->is.table);
+    return shade_spheres_log2(&material->is.spheres, channel);
+}
+
+/* ---- one light ----------------------------------------------------------------------------------- */
+
+typedef struct placed_light { /* a light as seen from the centre of the mesh */
+    int32_t direction_q28[3]; /* view space */
+    int valid;
+    fx_real distance;         /* point lights; 1 for others */
+} placed_light;
+
+static placed_light place(const nacre_light *light, const int64_t centre[3])
+{
+    placed_light out = {{0, 0, FX_Q28_ONE}, 0, {0, 0}};
+    int64_t v[3];
+    int i;
+
+    out.distance = fx_real_make(1, 0);
+    if (light->type != NACRE_LIGHT_POINT) {
+        v[0] = light->direction.x;
+        v[1] = light->direction.y;
+        v[2] = light->direction.z;
+        out.valid = fx_normalize_q28(v, out.direction_q28);
+        return out;
+    }
+    for (i = 0; i < 3; i++) v[i] = light->position[i] - centre[i];
+    if (fx_normalize_q28(v, out.direction_q28)) out.distance = length(v);
+    out.valid = 1;
+    return out;
+}
+
+/* r = xyz - w P, with w P = view position / distance. */
+static void set_position(shade_light *out, const nacre_light *light, const placed_light *place, int position_shift)
+{
+    const fx_real inverse = fx_real_exp2(-(int64_t)fx_real_log2_q16(place->distance));
+    int i;
+
+    for (i = 0; i < 3; i++)
+        out->position[i] = light->type == NACRE_LIGHT_POINT ? fx_real_mul(fx_real_make(light->position[i], -16), inverse)
+                                                            : fx_real_make(place->direction_q28[i], -28);
+    out->position[3] = fx_real_make(0, 0);
+    if (light->type == NACRE_LIGHT_POINT) {
+        out->position[3] = inverse;
+        out->position[3].e -= position_shift;
+    }
+}
+
+static void set_factors(shade_light *out, const nacre_view *view, const nacre_light *light, const placed_light *place,
+                        int64_t more_log2, const shade_material *material, shade_form form)
+{
+    const int64_t fall = -2 * (int64_t)fx_real_log2_q16(place->distance);
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        int64_t seen, sent, sum;
+
+        if (!view_log2(view, i, &seen) | !light_log2(light, i, &sent)) continue;
+        sum = seen + sent + fall + more_log2 + model_log2(material, i);
+        out->factor[i] = shaped(sum, form, material);
+        out->linear[i] = shaped(sum, SHADE_LINEAR, material);
+    }
+}
+
+static void incoming(shade_incoming *out, const int32_t direction[3], int32_t turn[3][3])
+{
+    int i;
+
+    for (i = 0; i < 3; i++) out->to_light_q28[i] = fx_dot_q28(turn[i], direction);
+    if (out->to_light_q28[2] > FX_Q28_ONE) out->to_light_q28[2] = FX_Q28_ONE;
+    if (out->to_light_q28[2] < -FX_Q28_ONE) out->to_light_q28[2] = -FX_Q28_ONE;
+    out->lost = out->to_light_q28[2] < LV_LEAST_Q28;
+    /* (l.h)^2 = (1 + l.v) / 2 */
+    out->l_dot_h_q28 = (int32_t)fx_isqrt((uint64_t)((int64_t)FX_Q28_ONE + out->to_light_q28[2]) << 27);
+    if (out->l_dot_h_q28 < LH_LEAST_Q28) out->l_dot_h_q28 = LH_LEAST_Q28;
+}
+
+static void set_light(shade_frame *frame, int index, const nacre_view *view, const int64_t centre[3],
+                      const shade_material *material, shade_form form)
+{
+    static const nacre_light none; /* no power, no direction */
+    const int given = index < view->light_count;
+    const nacre_light *light = given ? &view->lights[index] : &none;
+    const placed_light place_of = place(light, centre);
+    shade_light *out = &frame->light[index];
+    shade_incoming in;
+    int64_t more = 0;
+    int i;
+
+    for (i = 0; i < 3; i++) out->factor[i] = out->linear[i] = fx_real_make(0, 0);
+    set_position(out, light, &place_of, frame->position_shift);
+    incoming(&in, place_of.direction_q28, frame->turn_q28);
+    if (material->model == NACRE_MODEL_TABLE) {
+        shade_table_light(&out->is.table, &in, &material->is.table);
+        /* 1 / l.h; per pixel the shader multiplies by 1 / (2 l.h) */
+        more = frame->persp ? 65536 : 28 * 65536 - fx_log2_u64((uint64_t)in.l_dot_h_q28);
+    } else {
+        shade_spheres_light(&out->is.spheres, &in, &material->is.spheres);
+    }
+    if (given && place_of.valid && (frame->persp || !in.lost))
+        set_factors(out, view, light, &place_of, more, material, form);
+}
+
+/* ---- the frame ----------------------------------------------------------------------------------- */
+
+static void set_ambient(shade_frame *out, const nacre_view *view, const shade_material *material)
+{
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        const nacre_q16 ambient = *part(&view->ambient, i), albedo = material->albedo[i];
+        int64_t sum;
+
+        out->ambient[i] = fx_real_make(0, 0);
+        if (!view_log2(view, i, &sum) || ambient <= 0 || albedo <= 0) continue;
+        out->ambient[i] =
+            shaped(sum + fx_log2_q16(ambient) + fx_log2_q16(albedo) - LOG2_PI_Q16, SHADE_LINEAR, material);
+    }
+}
+
+/* Direction to the eye from the centre, and positions scaled so that the centre is 1 to 2 away from the eye. */
+static void set_camera(shade_frame *out, const nacre_view *view, const int64_t centre[3])
+{
+    const int64_t to_eye[3] = {-centre[0], -centre[1], -centre[2]};
+    int32_t direction[3] = {0, 0, FX_Q28_ONE};
+    int i;
+
+    for (i = 0; i < 9; i++) out->turn_q28[i / 3][i % 3] = i % 4 ? 0 : FX_Q28_ONE;
+    for (i = 0; i < 4; i++) out->eye[i] = fx_real_make(0, 0);
+    out->position_shift = 0;
+    if (fx_normalize_q28(to_eye, direction)) out->position_shift = -(fx_real_log2_q16(length(centre)) >> 16);
+    if (!is_perspective(view)) {
+        out->eye[2] = fx_real_make(1, 0);
+        return;
+    }
+    out->eye[3] = fx_real_make(1, 0);
+    if (!out->persp) rotation_to_z(direction, out->turn_q28);
+}
+
+void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centre[3], const shade_material *material,
+                 shade_form form, int persp, int units)
+{
+    int64_t centre_view[3];
+    int i;
+
+    to_view(&view->object_to_view, centre, centre_view);
+    out->light_count = view->light_count < NACRE_MAX_LIGHTS ? view->light_count : NACRE_MAX_LIGHTS;
+    out->persp = persp != 0;
+    set_camera(out, view, centre_view);
+    set_ambient(out, view, material);
+    if (material->model == NACRE_MODEL_TABLE) shade_table_prepare(&out->is.table, &material->is.table, material->fine);
+    else shade_spheres_prepare(&out->is.spheres, &material->is.spheres, units);
+    for (i = 0; i < NACRE_MAX_LIGHTS; i++) set_light(out, i, view, centre_view, material, form);
+}

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * shade - the models' set-up values: what is constant over a draw or over one light, in integers
+ *
+ * Two camera cases. "dist": one view direction for the whole draw; everything is turned by the rotation `turn` so that
+ * it becomes +z. "persp": directions per pixel; positions stay in view space (x 2^position_shift).
+ */
+#ifndef SHADE_H
+#define SHADE_H
+
+#include "fx.h"
+#include "nacre.h"
+#include "nacre_asset.h"
+
+#define SHADE_MAX_UNITS 8 /* sphere layers that one program can sample: ES 2.0 has 8 texture units */
+
+/* Decoded keys of a table file (nacre_asset.h, NACRE_KEY_TABLE). */
+typedef struct shade_table {
+    nacre_q16 e;      /* > 0 */
+    nacre_q16 ymax;   /* > 0 */
+    nacre_q16 w[3];   /* all 0: no phi_d term */
+    nacre_q16 p;      /* 4.8 or 4 */
+    nacre_q16 eps;    /* > 0 */
+    nacre_q16 k1, k2; /* fine tier */
+    uint16_t width, height;
+} shade_table;
+
+/* Decoded keys of a spheres file. */
+typedef struct shade_spheres {
+    uint16_t polar_bam[NACRE_MAX_LAYERS]; /* rising, below 32768 */
+    uint8_t layers;                       /* 1..64 */
+    uint8_t cosine;                       /* 1: paper mode */
+    nacre_q16 scale[3];
+    nacre_q16 disc; /* 0.5..1 */
+} shade_spheres;
+
+typedef struct shade_material {
+    nacre_model model;
+    uint8_t fine;        /* table: two layers */
+    nacre_q16 albedo[3]; /* NACRE_KEY_ALBEDO */
+    union {
+        shade_table table;
+        shade_spheres spheres;
+    } is;
+} shade_material;
+
+/* What the light factors of a frame multiply: follows from the program (gles_key_form). */
+typedef enum shade_form {
+    SHADE_LINEAR, /* linear radiance */
+    SHADE_ROOT,   /* its square root: one light, no sum */
+    SHADE_SRGB    /* 1.055 x its 2.4th root: one light, sRGB at once (tables with p = 4.8; paper: without the 1.055) */
+} shade_form;
+
+/* One light on a table, dist. */
+typedef struct shade_table_setup {
+    int32_t to_light_q28[3]; /* l, turned */
+    int32_t half_q28[3];     /* h, turned */
+    int32_t slope_q28[3];    /* l - v */
+    int32_t row_q28;         /* texture coordinate v' of its l.h */
+} shade_table_setup;
+
+/* One light on spheres, dist. Rows are dotted with the normal; those that give texture coordinates are x disc / 2 (add
+   1/2). */
+typedef struct shade_spheres_setup {
+    uint8_t layer[2];        /* the pair of layers around the light's polar angle; equal beyond the ends */
+    int32_t weight_q28;      /* of layer[1] */
+    int32_t x_q28[2][3];     /* cosine-free: x coordinate in either layer */
+    int32_t y_q28[3];        /* y coordinate */
+    int32_t rim_q28[3];      /* cosine-free: depth behind the rim of layer[1] x what is added to its x coordinate */
+    int32_t to_light_q28[3]; /* l, turned */
+    int32_t azimuth_q28[2];  /* paper: cos and sin of the light's azimuth */
+    int32_t half_q28[2];     /* paper: x and z of the half vector in the plane of light and eye */
+    int32_t turn_q28[3][4];  /* paper: (sin 1, sin 2, cos 1, cos 2) of k x difference = [0] + s ([1] + s [2]), s =
+                                sin(alpha_h) of eq. 3 */
+} shade_spheres_setup;
+
+typedef struct shade_light {
+    fx_real factor[3];   /* R G B, see shade_form; 0 when the light adds nothing */
+    fx_real linear[3];   /* the same in SHADE_LINEAR */
+    fx_real position[4]; /* persp: xyz and w of r = xyz - w P, P = view position x 2^position_shift; |r| is 1 at the
+                            centre of the mesh */
+    union {
+        shade_table_setup table;
+        shade_spheres_setup spheres;
+    } is;
+} shade_light;
+
+/* Constant over a draw: table. */
+typedef struct shade_table_draw {
+    fx_real scale, bias; /* u' = scale log2(|n - h|^2 + 2 eps) + bias */
+    fx_real two_eps, root_two_eps;
+    nacre_q16 phi_q16[3]; /* W; fine tier: K1, K2, 0 */
+    int32_t row_q28[3];  /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
+} shade_table_draw;
+
+/* Constant over a draw: spheres, persp. The layers are spread over the file's when it has more than units. */
+typedef struct shade_spheres_draw {
+    uint8_t count;                       /* units in use */
+    uint8_t layer[SHADE_MAX_UNITS];      /* layer that unit i holds; beyond count: the last one again */
+    int32_t polar_q28[SHADE_MAX_UNITS];  /* radians */
+    int32_t cos_q28[SHADE_MAX_UNITS];    /* of half the polar angle, x disc / 2 */
+    int32_t sin_q28[SHADE_MAX_UNITS];
+    int32_t rim_q28[SHADE_MAX_UNITS];    /* what depth behind the rim (already x disc / 2) adds to x */
+    fx_real ramp[SHADE_MAX_UNITS][2];    /* weight of unit i + 1 over unit i: [0] x polar angle + [1], clamped to 0..1 */
+    int32_t half_disc_q28;               /* disc / 2; paper: x 0.995 */
+} shade_spheres_draw;
+
+/* One draw. About 3 KB. Lights beyond light_count have factor 0 and are otherwise like directional ones from the eye. */
+typedef struct shade_frame {
+    shade_light light[NACRE_MAX_LIGHTS];
+    uint8_t light_count;
+    uint8_t persp;
+    int32_t turn_q28[3][3]; /* rows of the rotation (dist, perspective camera; otherwise the identity) */
+    int position_shift;
+    fx_real eye[4];         /* persp: xyz and w of v = normalize(xyz - w P) */
+    fx_real ambient[3];     /* radiance: albedo x ambient / pi x tint x exposure */
+    union {
+        shade_table_draw table;
+        shade_spheres_draw spheres;
+    } is;
+} shade_frame;
+
+/* 1 when the view needs directions per pixel: a point light, or a perspective camera without distant_viewer. */
+int shade_needs_persp(const nacre_view *view);
+
+/* All values of one draw. centre: of the mesh's bounds, object space: what a distant viewer looks at, and where point
+   lights have |r| = 1. units: sphere layers that the program samples (persp), 2..SHADE_MAX_UNITS. persp: what the program
+   was chosen for; without it point lights count as directional ones, seen from the centre. Nothing fails: what is out of
+   range saturates. */
+void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centre[3], const shade_material *material,
+                 shade_form form, int persp, int units);
+
+/* ---- between the files of this room ----------------------------------------------------------- */
+
+/* What a model's file needs to know of one light. */
+typedef struct shade_incoming {
+    int32_t to_light_q28[3]; /* unit, turned; l.v is [2] */
+    int32_t l_dot_h_q28;     /* >= .022  */
+    int lost;                /* 1: l.v < -.999, the half vector is undefined */
+} shade_incoming;
+
+void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table);
+void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fine);
+/* log2 (q16) of what table values have to be multiplied by: Ymax^p / (pi E), for light 1 and l.h 1. */
+int32_t shade_table_log2(const shade_table *table);
+
+void shade_spheres_light(shade_spheres_setup *out, const shade_incoming *in, const shade_spheres *spheres);
+void shade_spheres_prepare(shade_spheres_draw *out, const shade_spheres *spheres, int units);
+int32_t shade_spheres_log2(const shade_spheres *spheres, int channel);
+
+#endif

@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: MIT */
+#include "shade.h"
+
+#define LOG2_PI_Q16 108232 /* log2(pi) */
+
+/* v = 0.7 s + 0.3 s^2, in q28 */
+#define ROW_LINEAR 187904819
+#define ROW_SQUARE 80530637
+
+int32_t shade_table_log2(const shade_table *table)
+{
+    /* p log2 Ymax; p and the logarithm are q16 */
+    const int64_t power = fx_shift((int64_t)table->p * fx_log2_q16(table->ymax), 16);
+
+    return (int32_t)(power - fx_log2_q16(table->e) - LOG2_PI_Q16);
+}
+
+/* v' = v (height - 1) / height + 1 / (2 height): the first and last texel's centres are v = 0 and 1. */
+static int64_t end_aligned(int64_t v_q28, unsigned texels)
+{
+    return fx_div(v_q28 * ((int64_t)texels - 1) + FX_Q28_ONE / 2, texels);
+}
+
+void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table)
+{
+    const int32_t *l = in->to_light_q28;
+    const int64_t twice_lh = 2 * (int64_t)in->l_dot_h_q28;
+    /* 1 - l.h = (1 - l.v) / (2 (1 + l.h)): no cancellation near the eye */
+    const int64_t away =
+        in->lost ? FX_Q28_ONE : fx_div((FX_Q28_ONE - (int64_t)l[2]) * FX_Q28_ONE, 2 * ((int64_t)FX_Q28_ONE + in->l_dot_h_q28));
+    const int64_t s = fx_isqrt((uint64_t)away << 28);
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        const int32_t v = i == 2 ? FX_Q28_ONE : 0;
+
+        out->to_light_q28[i] = l[i];
+        out->slope_q28[i] = l[i] - v;
+        out->half_q28[i] = in->lost ? v : (int32_t)fx_div(((int64_t)l[i] + v) * FX_Q28_ONE, twice_lh);
+    }
+    out->row_q28 = (int32_t)end_aligned(fx_shift(ROW_LINEAR * s + ROW_SQUARE * away, 28), table->height);
+}
+
+void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fine)
+{
+    const int64_t width = table->width, height = table->height;
+    const int32_t log2_eps = fx_log2_q16(table->eps);
+    const int64_t range = fx_log2_u64((uint64_t)table->eps + 65536) - 16 * 65536 - log2_eps; /* log2(1 / eps + 1) */
+    const int64_t scale_q28 = fx_div((width - 1) * ((int64_t)1 << 44), width * range);
+
+    out->scale = fx_real_make(scale_q28, -28);
+    out->bias = fx_real_make(fx_shift(scale_q28 * (-65536 - log2_eps), 16) + fx_div(FX_Q28_ONE / 2, width), -28);
+    out->two_eps = fx_real_make(table->eps, -15);
+    out->root_two_eps = fx_real_make(fx_isqrt((uint64_t)table->eps << 33), -24);
+    out->phi_q16[0] = fine ? table->k1 : table->w[0];
+    out->phi_q16[1] = fine ? table->k2 : table->w[1];
+    out->phi_q16[2] = fine ? 0 : table->w[2];
+    out->row_q28[0] = (int32_t)fx_div(ROW_LINEAR * (height - 1), height);
+    out->row_q28[1] = (int32_t)fx_div(ROW_SQUARE * (height - 1), height);
+    out->row_q28[2] = (int32_t)fx_div(FX_Q28_ONE / 2, height);
+}
