@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT */
+/* ETC1 blocks: 4 x 4 texels in 8 bytes, two halves with a 4-bit or 5-bit base colour and one of eight intensity tables
+   each (Strom & Akenine-Moller 2005, "iPACKMAN"; Khronos Data Format Specification 1.3, section 21). */
+#ifndef ETC1_H
+#define ETC1_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* Bytes of an image: 8 for each started block of 4 x 4 texels. */
+size_t etc1_size(int width, int height);
+
+/* Encode RGB texels (rows from the top, tight); blocks run along rows. Texels beyond the edge repeat the last. The
+   result depends on the texels alone. Never makes a block that ETC2 would read in another mode. */
+void etc1_encode(const uint8_t *rgb, int width, int height, uint8_t *out);
+
+/* Decode to RGB. */
+void etc1_decode(const uint8_t *blocks, int width, int height, uint8_t *rgb);
+
+/* 1 if the block uses an ETC1 mode: individual, or differential without overflow. */
+int etc1_block_valid(const uint8_t block[8]);
+
+#endif
