@@ -1,0 +1,439 @@
+/* SPDX-License-Identifier: MIT */
+#include "cases.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ktx2_write.h"
+#include "nacre_asset.h"
+#include "sphere_bake.h"
+#include "table_bake.h"
+
+#define PI 3.14159265358979323846
+
+/*
+ * What the bounds are made of, in codes of 255, driver minus exact double decode of the same file:
+ *   +-2          texture filtering (8-bit fractions), rounding of finished integers (q14 vectors, q16 matrices)
+ *   -3           one light, sRGB: the curve is drawn without its linear toe, at worst -2.7 codes below 0.003
+ *   -1.4, +1.5   sums of lights, sRGB: a cubic of the square root stands for the curve
+ *   outliers     meshes: packed normals, and outlines of parts in front of others that move by 1/256 pixel
+ */
+#define EXACT1                                                                                                         \
+    {                                                                                                                  \
+        -5, 2, 0, 0                                                                                                    \
+    }
+#define EXACTSUM                                                                                                       \
+    {                                                                                                                  \
+        -4, 4, 0, 0                                                                                                    \
+    }
+#define EXACT0                                                                                                         \
+    {                                                                                                                  \
+        -2, 2, 0, 0                                                                                                    \
+    }
+#define MESH1                                                                                                          \
+    {                                                                                                                  \
+        -5, 2, .004, .003                                                                                              \
+    }
+#define MESHSUM                                                                                                        \
+    {                                                                                                                  \
+        -4, 4, .004, .003                                                                                              \
+    }
+/* Half floats: 11 bits; the highlight's flank is where they show. */
+#define HALF                                                                                                           \
+    {                                                                                                                  \
+        -6, 5, .001, 0                                                                                                 \
+    }
+#define MESHHALF                                                                                                       \
+    {                                                                                                                  \
+        -6, 5, .006, .003                                                                                              \
+    }
+
+#define GOLD   "sgd:gold-metallic-paint"
+#define YELLOW "sgd:yellow-plastic"
+#define VIOLET "sgd:specular-violet-phenolic"
+#define SRGB   NACRE_OUTPUT_SRGB
+#define SQRT   NACRE_OUTPUT_SQRT
+#define LINEAR NACRE_OUTPUT_LINEAR
+
+const frame_case frame_cases[] = {
+    {.name = "table 1 light srgb", .brdf = GOLD, .lights = 1, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "table 1 light sqrt", .brdf = GOLD, .lights = 1, .output = SQRT, .fp32 = EXACT0, .fp16 = HALF},
+    {.name = "table 1 light linear", .brdf = GOLD, .lights = 1, .output = LINEAR, .fp32 = EXACT0, .fp16 = HALF},
+    {.name = "table 1 light at 150", .brdf = GOLD, .lights = 1, .polar_deg = 150, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "table 1 light at the eye", .brdf = GOLD, .lights = 1, .polar_deg = 1e-9, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "table narrow lobe", .brdf = VIOLET, .lights = 1, .exposure = 2, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "table p4 1 light sqrt",
+     .model = CASE_TABLE_P4,
+     .brdf = GOLD,
+     .lights = 1,
+     .output = SQRT,
+     .fp32 = EXACT0,
+     .fp16 = HALF},
+    {.name = "table p4 1 light srgb",
+     .model = CASE_TABLE_P4,
+     .brdf = GOLD,
+     .lights = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table without phi_d", .model = CASE_TABLE_RGB, .brdf = YELLOW, .lights = 1, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "table without phi_d, perspective, point",
+     .model = CASE_TABLE_RGB,
+     .brdf = YELLOW,
+     .camera = CASE_PERSPECTIVE,
+     .points = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table 2 lights", .brdf = YELLOW, .lights = 2, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "table 4 lights", .brdf = YELLOW, .lights = 4, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "table 8 lights", .brdf = GOLD, .lights = 8, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "table 3 lights sqrt", .brdf = GOLD, .lights = 3, .output = SQRT, .fp32 = EXACT0, .fp16 = HALF},
+    {.name = "table perspective 1 light",
+     .brdf = GOLD,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table perspective 4 lights",
+     .brdf = YELLOW,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 4,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table perspective 2 lights, 2 points",
+     .brdf = GOLD,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 2,
+     .points = 2,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table orthographic point", .brdf = GOLD, .points = 1, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "table distant viewer", .brdf = GOLD, .camera = CASE_DISTANT, .lights = 2, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "table distant viewer, point",
+     .brdf = GOLD,
+     .camera = CASE_DISTANT,
+     .lights = 1,
+     .points = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table ambient, tint, exposure, shadow",
+     .brdf = YELLOW,
+     .lights = 1,
+     .ambient = .5,
+     .tint = .7,
+     .exposure = 1.5,
+     .shadow = .4,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "table ambient alone", .brdf = YELLOW, .ambient = 2, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "fine 1 light", .model = CASE_FINE, .brdf = GOLD, .lights = 1, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "fine 1 light sqrt",
+     .model = CASE_FINE,
+     .brdf = GOLD,
+     .lights = 1,
+     .output = SQRT,
+     .fp32 = EXACT0,
+     .fp16 = HALF},
+    {.name = "fine 4 lights", .model = CASE_FINE, .brdf = YELLOW, .lights = 4, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "fine perspective 1 light, 1 point",
+     .model = CASE_FINE,
+     .brdf = GOLD,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .points = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "spheres 1 light", .model = CASE_SPHERES, .brdf = GOLD, .lights = 1, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "spheres 1 light sqrt",
+     .model = CASE_SPHERES,
+     .brdf = GOLD,
+     .lights = 1,
+     .output = SQRT,
+     .fp32 = EXACT0,
+     .fp16 = HALF},
+    {.name = "spheres stored angle",
+     .model = CASE_SPHERES,
+     .brdf = GOLD,
+     .lights = 1,
+     .polar_deg = 45,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "spheres past the last angle",
+     .model = CASE_SPHERES,
+     .brdf = YELLOW,
+     .lights = 1,
+     .polar_deg = 150,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "spheres 2 lights", .model = CASE_SPHERES, .brdf = YELLOW, .lights = 2, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "spheres 4 lights", .model = CASE_SPHERES, .brdf = YELLOW, .lights = 4, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "spheres 8 lights", .model = CASE_SPHERES, .brdf = GOLD, .lights = 8, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "spheres perspective 1 light",
+     .model = CASE_SPHERES,
+     .brdf = GOLD,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "spheres perspective 2 lights, 1 point",
+     .model = CASE_SPHERES,
+     .brdf = YELLOW,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 2,
+     .points = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "spheres distant viewer",
+     .model = CASE_SPHERES,
+     .brdf = GOLD,
+     .camera = CASE_DISTANT,
+     .lights = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "spheres ambient, tint",
+     .model = CASE_SPHERES,
+     .brdf = GOLD,
+     .lights = 1,
+     .ambient = .5,
+     .tint = .6,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "paper 1 light", .model = CASE_PAPER, .brdf = YELLOW, .lights = 1, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "paper stored angle",
+     .model = CASE_PAPER,
+     .brdf = YELLOW,
+     .lights = 1,
+     .polar_deg = 90,
+     .fp32 = EXACT1,
+     .fp16 = HALF},
+    {.name = "paper past the last angle",
+     .model = CASE_PAPER,
+     .brdf = YELLOW,
+     .lights = 1,
+     .polar_deg = 150,
+     .fp32 = EXACT1,
+     .fp16 = HALF},
+    {.name = "paper 2 lights", .model = CASE_PAPER, .brdf = YELLOW, .lights = 2, .fp32 = EXACTSUM, .fp16 = HALF},
+    {.name = "paper 4 lights linear",
+     .model = CASE_PAPER,
+     .brdf = YELLOW,
+     .lights = 4,
+     .output = LINEAR,
+     .fp32 = EXACT0,
+     .fp16 = HALF},
+    {.name = "paper perspective 1 light, 1 point",
+     .model = CASE_PAPER,
+     .brdf = YELLOW,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .points = 1,
+     .fp32 = EXACTSUM,
+     .fp16 = HALF},
+    {.name = "teapot table 1 light", .brdf = GOLD, .mesh = "teapot", .lights = 1, .fp32 = MESH1, .fp16 = MESHHALF},
+    {.name = "teapot table perspective 4 lights",
+     .brdf = YELLOW,
+     .mesh = "teapot",
+     .camera = CASE_PERSPECTIVE,
+     .lights = 4,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+    {.name = "teapot spheres perspective 1 light",
+     .model = CASE_SPHERES,
+     .brdf = YELLOW,
+     .mesh = "teapot",
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+    {.name = "torus fine perspective 2 lights, 1 point",
+     .model = CASE_FINE,
+     .brdf = GOLD,
+     .mesh = "torus",
+     .camera = CASE_PERSPECTIVE,
+     .lights = 2,
+     .points = 1,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+    {.name = "torus paper 2 lights",
+     .model = CASE_PAPER,
+     .brdf = YELLOW,
+     .mesh = "torus",
+     .lights = 2,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+    {.name = "sphere table normal map", .brdf = GOLD, .lights = 1, .normal_map = 1, .fp32 = EXACT1, .fp16 = HALF},
+    {.name = "plane table normal map, point",
+     .brdf = GOLD,
+     .mesh = "plane",
+     .points = 1,
+     .normal_map = 1,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+    {.name = "torus table normal map 2 lights",
+     .brdf = YELLOW,
+     .mesh = "torus",
+     .lights = 2,
+     .normal_map = 1,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+    {.name = "torus spheres normal map perspective",
+     .model = CASE_SPHERES,
+     .brdf = YELLOW,
+     .mesh = "torus",
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .normal_map = 1,
+     .fp32 = MESHSUM,
+     .fp16 = MESHHALF},
+};
+const int frame_case_count = sizeof frame_cases / sizeof *frame_cases;
+
+/* ---- scenes ---------------------------------------------------------------------------------------------------- */
+
+void case_scene(scene *s, const frame_case *c, const mesh *shape, int width, int height)
+{
+    /* polar, azimuth, power: no two alike, some grazing, one behind */
+    static const double light[8][5] = {{35, 40, 2.2, 2.2, 2.2}, {70, 200, .9, 1.1, 1.4}, {110, 300, 1.5, 1.2, .9},
+                                       {60, 120, .5, .4, .6},   {15, 0, .3, .3, .4},     {85, 270, .7, .8, .6},
+                                       {100, 30, 1, .9, 1.1},   {50, 330, .4, .6, .3}};
+    static const double place[2][3] = {{1.4, 1.1, 1.8}, {-1.6, 0.4, 1.2}}, strength[2][3] = {{6, 6, 6}, {3, 4, 5}};
+    const scene_camera camera = {.kind = c->camera == CASE_ORTHO ? SCENE_CAMERA_ORTHO : SCENE_CAMERA_FIT,
+                                 .yaw_deg = c->mesh ? 25 : 0,
+                                 .pitch_deg = c->mesh ? 20 : 0,
+                                 .fovy_deg = 40};
+    failure f = {0};
+    int i, k;
+
+    scene_begin(s, shape, width, height);
+    if (scene_aim(s, &camera, &f)) {
+        fprintf(stderr, "%s: %s\n", c->name, f.text);
+        exit(1);
+    }
+    s->distant_viewer = c->camera == CASE_DISTANT;
+    s->output = c->output;
+    s->exposure = c->exposure > 0 ? c->exposure : 1;
+    for (k = 0; k < 3; k++) {
+        s->ambient[k] = c->ambient;
+        s->tint[k] = c->tint > 0 ? pow(c->tint, k) : 1;
+    }
+    for (i = 0; i < c->lights; i++)
+        scene_add_light(s, i == 0 && c->polar_deg > 0 ? c->polar_deg : light[i][0], light[i][1], &light[i][2]);
+    for (i = 0; i < c->points; i++) {
+        /* places are about the mesh's centre */
+        double at[3] = {place[i][0], place[i][1], place[i][2] + s->object_to_view[14]};
+        scene_add_point(s, at, strength[i]);
+    }
+    s->light[0].shadow = c->shadow;
+}
+
+/* ---- assets ---------------------------------------------------------------------------------------------------- */
+
+static void need(int code, const failure *f)
+{
+    if (!code) return;
+    fprintf(stderr, "%s\n", f->text);
+    exit(1);
+}
+
+static void bake(bytes *file, case_model model, const char *brdf_name)
+{
+    const table_options table[CASE_MODEL_COUNT] = {
+        [CASE_TABLE_P4] = {.power = 4}, [CASE_TABLE_RGB] = {.tier = TABLE_RGB}, [CASE_FINE] = {.tier = TABLE_FINE}};
+    const sphere_options spheres = {.mode = model == CASE_PAPER ? SPHERE_PAPER : SPHERE_COSINE_FREE};
+    failure f = {0};
+    brdf *b;
+
+    need(brdf_open(&b, brdf_name, &f), &f);
+    if (model == CASE_SPHERES || model == CASE_PAPER) {
+        sphere_asset s;
+        need(sphere_bake(&s, b, &spheres, &f), &f);
+        sphere_write(&s, file);
+        sphere_free(&s);
+    } else {
+        table_asset t;
+        need(table_bake(&t, b, &table[model], &f), &f);
+        table_write(&t, file);
+        table_free(&t);
+    }
+    brdf_close(b);
+}
+
+static void decode(case_asset *a, case_model model, const char *name)
+{
+    failure f = {0};
+    int k;
+
+    if (nacre_image_open(&a->image, a->file.data, a->file.size)) {
+        fprintf(stderr, "%s: nacre_image_open refuses its own bake\n", name);
+        exit(1);
+    }
+    if (model == CASE_SPHERES || model == CASE_PAPER) {
+        sphere_asset s;
+        need(sphere_read(&s, &a->image, name, &f), &f);
+        a->decoded = sphere_brdf(&s, &(sphere_decode_options){0});
+        for (k = 0; k < 3; k++) a->albedo[k] = s.albedo[k];
+        sphere_free(&s);
+        a->material.model = NACRE_MODEL_SPHERES;
+        a->material.image[NACRE_ROLE_SPHERES] = &a->image;
+    } else {
+        table_asset t;
+        need(table_read(&t, &a->image, name, &f), &f);
+        a->decoded = table_brdf(&t);
+        for (k = 0; k < 3; k++) a->albedo[k] = t.albedo[k];
+        table_free(&t);
+        a->material.model = NACRE_MODEL_TABLE;
+        a->material.image[NACRE_ROLE_TABLE] = &a->image;
+    }
+}
+
+/* Smooth bumps, up to 0.35 off the vertical, that repeat at the edges. */
+static void make_normal_map(case_asset *a)
+{
+    enum { SIZE = 64 };
+    ktx2_image k = {.format = NACRE_FORMAT_RGBA8, .width = SIZE, .height = SIZE, .faces = 1, .levels = 1};
+    int x, y, c;
+
+    a->normal_map = image_u8_make(SIZE, SIZE, 4);
+    for (y = 0; y < SIZE; y++)
+        for (x = 0; x < SIZE; x++) {
+            double n[3] = {0.35 * sin(4 * PI * x / SIZE), 0.35 * cos(6 * PI * y / SIZE), 1};
+            double length = sqrt(n[0] * n[0] + n[1] * n[1] + 1);
+            uint8_t *to = a->normal_map.texel + 4 * (y * SIZE + x);
+            for (c = 0; c < 3; c++) to[c] = unorm8(0.5 + 0.5 * n[c] / length);
+            to[3] = 255;
+        }
+    bytes_append(&k.level[0], a->normal_map.texel, SIZE * SIZE * 4);
+    ktx2_key_text(&k, NACRE_KEY_ROLE, "normal");
+    ktx2_key_text(&k, NACRE_KEY_TRANSFER, "linear");
+    ktx2_write(&k, &a->normal_file);
+    ktx2_free(&k);
+    if (nacre_image_open(&a->normal_image, a->normal_file.data, a->normal_file.size)) {
+        fprintf(stderr, "normal map: nacre_image_open refuses its own file\n");
+        exit(1);
+    }
+    a->material.image[NACRE_ROLE_NORMAL] = &a->normal_image;
+}
+
+void case_asset_open(case_asset *out, case_model model, const char *brdf_name, int normal_map, const char *directory)
+{
+    char path[600] = "";
+    failure f = {0};
+
+    *out = (case_asset){0};
+    if (directory) snprintf(path, sizeof path, "%s/%d-%s", directory, model, brdf_name);
+    if (!directory || file_read(&out->file, path, &f)) {
+        bake(&out->file, model, brdf_name);
+        if (directory) need(output_write_raw(path, &out->file, &f), &f);
+    }
+    decode(out, model, brdf_name);
+    if (normal_map) make_normal_map(out);
+}
+
+void case_asset_close(case_asset *a)
+{
+    brdf_close(a->decoded);
+    bytes_free(&a->file);
+    bytes_free(&a->normal_file);
+    image_u8_free(&a->normal_map);
+}

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT */
+#include "gles_kit.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ktx2_write.h"
+#include "nacre_asset.h"
+
+/* ---- assets -------------------------------------------------------------------------------------- */
+
+static uint8_t code(double x)
+{
+    return (uint8_t)(x < 0 ? 0 : x > 1 ? 255 : x * 255 + 0.5);
+}
+
+/* Smooth texels: brighter to the lower left, each channel its own slope. */
+static void append_texel(bytes *out, int format, double x, double y, int layer)
+{
+    const double v[4] = {0.2 + 0.5 * x * y + 0.05 * layer, 0.3 + 0.3 * (1 - x) + 0.1 * y, 0.7 - 0.4 * x - 0.03 * layer,
+                         0.5 + 0.2 * (x - y)};
+    uint8_t t[4] = {code(v[0]), code(v[1]), code(v[2]), code(v[3])};
+    if (format == NACRE_FORMAT_RGB565) {
+        const unsigned w = (unsigned)(t[0] >> 3) << 11 | (unsigned)(t[1] >> 2) << 5 | t[2] >> 3;
+        t[0] = (uint8_t)w;
+        t[1] = (uint8_t)(w >> 8);
+    }
+    bytes_append(out, t, format == NACRE_FORMAT_RGBA8 ? 4 : format == NACRE_FORMAT_RGB8 ? 3 : 2);
+}
+
+static void append_normal(bytes *out, double x, double y)
+{
+    const double nx = 0.3 * sin(6.28 * x), ny = 0.3 * cos(6.28 * y), nz = sqrt(1 - nx * nx - ny * ny);
+    const uint8_t t[3] = {code(nx / 2 + 0.5), code(ny / 2 + 0.5), code(nz / 2 + 0.5)};
+    bytes_append(out, t, 3);
+}
+
+/* An ETC1 block of one colour: both halves alike, differences 0. */
+static void append_block(bytes *out, int layer, int i)
+{
+    const uint8_t block[8] = {(uint8_t)((8 + layer) << 3), (uint8_t)((20 - layer) << 3), (uint8_t)((4 + i % 8) << 3),
+                              2};
+    bytes_append(out, block, 8);
+}
+
+static void fill(ktx2_image *k, int normal)
+{
+    const int layers = k->layers ? k->layers : 1;
+    for (int level = 0; level < k->levels; level++) {
+        int w = k->width >> level, h = k->height >> level;
+        if (w < 1) w = 1;
+        if (h < 1) h = 1;
+        for (int layer = 0; layer < layers; layer++) {
+            if (k->format == NACRE_FORMAT_ETC2_RGB8) {
+                for (int i = 0; i < (w + 3) / 4 * ((h + 3) / 4); i++) append_block(&k->level[level], layer, i);
+                continue;
+            }
+            for (int y = 0; y < h; y++)
+                for (int x = 0; x < w; x++)
+                    if (normal)
+                        append_normal(&k->level[level], (x + 0.5) / w, (y + 0.5) / h);
+                    else
+                        append_texel(&k->level[level], k->format, (x + 0.5) / w, (y + 0.5) / h, layer);
+        }
+    }
+}
+
+static void add_keys(ktx2_image *k, kit_model model)
+{
+    static const double albedo[3] = {0.25, 0.5, 0.125}, scale[3] = {20, 12.5, 5};
+    const uint32_t cosine = model == KIT_PAPER, one = 1, polar[5] = {0, 8192, 16384, 24576, 30000};
+    const double disc = model == KIT_PAPER ? 1 : 0.9375;
+    if (model == KIT_NORMAL) {
+        ktx2_key_text(k, NACRE_KEY_ROLE, "normal");
+        return;
+    }
+    ktx2_key_q16(k, NACRE_KEY_ALBEDO, albedo, 3);
+    if (model == KIT_TABLE || model == KIT_FINE) {
+        const double fine = model == KIT_FINE;
+        const double table[9] = {
+            1.5,       0.875,      fine ? 0 : 0.5, fine ? 0 : 0.25, fine ? 0 : -0.25, fine ? 4 : 4.8,
+            1.0 / 256, 0.5 * fine, 0.25 * fine};
+        ktx2_key_text(k, NACRE_KEY_ROLE, "table");
+        ktx2_key_q16(k, NACRE_KEY_TABLE, table, 9);
+        return;
+    }
+    ktx2_key_text(k, NACRE_KEY_ROLE, "spheres");
+    ktx2_key_text(k, NACRE_KEY_TRANSFER, cosine ? "srgb" : "root4");
+    ktx2_key_u32(k, NACRE_KEY_LIGHT_POLAR, polar, k->layers);
+    ktx2_key_u32(k, NACRE_KEY_COSINE, &cosine, 1);
+    ktx2_key_q16(k, NACRE_KEY_SCALE, scale, 3);
+    ktx2_key_q16(k, NACRE_KEY_DISC, &disc, 1);
+    if (model == KIT_ETC1) ktx2_key_u32(k, NACRE_KEY_ETC1, &one, 1);
+}
+
+static void make_asset(kit *k, kit_model model)
+{
+    static const struct {
+        int format, width, height, layers, levels;
+    } shape[KIT_MODELS] = {
+        [KIT_TABLE] = {NACRE_FORMAT_RGBA8, 24, 21, 0, 1},    [KIT_FINE] = {NACRE_FORMAT_RGBA8, 8, 5, 2, 1},
+        [KIT_SPHERES] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},  [KIT_PAPER] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},
+        [KIT_ETC1] = {NACRE_FORMAT_ETC2_RGB8, 16, 16, 3, 5}, [KIT_RGB565] = {NACRE_FORMAT_RGB565, 20, 12, 5, 2},
+        [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
+    };
+    ktx2_image image;
+    bytes file = {0};
+    memset(&image, 0, sizeof image);
+    image.format = shape[model].format;
+    image.width = shape[model].width;
+    image.height = shape[model].height;
+    image.layers = shape[model].layers;
+    image.levels = shape[model].levels;
+    image.faces = 1;
+    fill(&image, model == KIT_NORMAL);
+    add_keys(&image, model);
+    ktx2_write(&image, &file);
+    ktx2_free(&image);
+    k->file[model] = file.data;
+    if (nacre_image_open(&k->image[model], file.data, file.size)) {
+        fprintf(stderr, "gles_kit: asset %d is not valid\n", (int)model);
+        exit(70);
+    }
+}
+
+/* ---- the ball: an ellipsoid of rings --------------------------------------------------------------- */
+
+#define RINGS 24
+#define SIDES 32
+
+static void make_ball(kit *k)
+{
+    const int vertices = (RINGS + 1) * (SIDES + 1), triangles = RINGS * SIDES * 2;
+    const double extent[3] = {1, 0.75, 0.5}, centre[3] = {0.25, 0.5, -0.125};
+    nacre_vertex *v = calloc((size_t)vertices, sizeof *v);
+    uint16_t *index = malloc((size_t)triangles * 3 * sizeof *index), *at = index;
+    float *f = k->floats = malloc((size_t)vertices * 12 * sizeof *f);
+    for (int r = 0; r <= RINGS; r++)
+        for (int s = 0; s <= SIDES; s++, v++, f += 12) {
+            const double polar = M_PI * r / RINGS, azimuth = 2 * M_PI * s / SIDES;
+            const double p[3] = {sin(polar) * cos(azimuth), cos(polar), -sin(polar) * sin(azimuth)};
+            const double t[3] = {-sin(azimuth) * extent[0], 0, -cos(azimuth) * extent[2]};
+            double n[3], length = 0, tangent_length = hypot(t[0], t[2]);
+            for (int i = 0; i < 3; i++) length += pow(p[i] / extent[i], 2);
+            for (int i = 0; i < 3; i++) {
+                n[i] = p[i] / extent[i] / sqrt(length);
+                v->position[i] = (int16_t)lrint(p[i] * 32767);
+                v->normal[i] = (int16_t)lrint(n[i] * 32767);
+                v->tangent[i] = (int8_t)lrint(t[i] / tangent_length * 127);
+                /* floats of the packed values, so that both paths draw the same mesh */
+                f[i] = (float)(centre[i] + extent[i] * v->position[i] / 32767);
+                f[3 + i] = v->normal[i] / 32767.0f;
+                f[6 + i] = v->tangent[i] / 127.0f;
+            }
+            v->tangent[3] = 127;
+            f[9] = 1;
+            v->uv[0] = (int16_t)(2 * 2048 * s / SIDES);
+            v->uv[1] = (int16_t)(2048 * r / RINGS);
+            f[10] = v->uv[0] / 2048.0f;
+            f[11] = v->uv[1] / 2048.0f;
+        }
+    for (int r = 0; r < RINGS; r++)
+        for (int s = 0; s < SIDES; s++) {
+            const int a = r * (SIDES + 1) + s, b = a + SIDES + 1;
+            const int corner[6] = {a, b, a + 1, a + 1, b, b + 1};
+            for (int i = 0; i < 6; i++) *at++ = (uint16_t)corner[i];
+        }
+    k->ball.vertices = v - vertices;
+    k->ball.indices = index;
+    k->ball.index_count = (uint32_t)triangles * 3;
+    k->ball.vertex_count = (uint16_t)vertices;
+    for (int i = 0; i < 3; i++) {
+        k->ball.centre[i] = nacre_q16_from_float((float)centre[i]);
+        k->ball.half_extent[i] = nacre_q16_from_float((float)extent[i]);
+    }
+}
+
+void kit_open(kit *k)
+{
+    memset(k, 0, sizeof *k);
+    for (int i = 0; i < KIT_MODELS; i++) make_asset(k, (kit_model)i);
+    make_ball(k);
+}
+
+void kit_close(kit *k)
+{
+    for (int i = 0; i < KIT_MODELS; i++) free(k->file[i]);
+    free((void *)(uintptr_t)k->ball.vertices);
+    free((void *)(uintptr_t)k->ball.indices);
+    free(k->floats);
+}
+
+nacre_material kit_material(const kit *k, kit_model model, int normal)
+{
+    nacre_material m;
+    memset(&m, 0, sizeof m);
+    m.model = model == KIT_TABLE || model == KIT_FINE ? NACRE_MODEL_TABLE : NACRE_MODEL_SPHERES;
+    m.image[model == KIT_TABLE || model == KIT_FINE ? NACRE_ROLE_TABLE : NACRE_ROLE_SPHERES] = &k->image[model];
+    if (normal) m.image[NACRE_ROLE_NORMAL] = &k->image[KIT_NORMAL];
+    return m;
+}
+
+/* ---- views ---------------------------------------------------------------------------------------- */
+
+nacre_view kit_view(int lights, int points, int perspective)
+{
+    static nacre_light light[NACRE_MAX_LIGHTS];
+    /* turned about y by 30 degrees, scaled by 0.8, three units away */
+    static const float model[16] = {0.6928f, 0, -0.4f, 0, 0, 0.8f, 0, 0, 0.4f, 0, 0.6928f, 0, -0.15f, -0.4f, -3, 1};
+    static const float frustum[16] = {2.4f, 0, 0, 0, 0, 2.4f, 0, 0, 0, 0, -1.5f, -1, 0, 0, -2.5f, 0};
+    static const float box[16] = {0.9f, 0, 0, 0, 0, 0.9f, 0, 0, 0, 0, -0.25f, 0, 0, 0, -1, 1};
+    nacre_view view;
+    memset(&view, 0, sizeof view);
+    memset(light, 0, sizeof light);
+    for (int i = 0; i < lights; i++) {
+        const double a = 0.8 * i, polar = 0.3 + 0.12 * i;
+        light[i].type = i >= lights - points ? NACRE_LIGHT_POINT : NACRE_LIGHT_DIRECTIONAL;
+        light[i].direction =
+            nacre_dir_from_float((float)(sin(polar) * cos(a)), (float)(sin(polar) * sin(a)), (float)cos(polar));
+        for (int k = 0; k < 3; k++)
+            light[i].position[k] = nacre_q16_from_float((float)(k == 2 ? -1.2 : 1.5 * (k ? sin(a) : cos(a))));
+        light[i].power = nacre_rgb_from_float(0.2f + 0.05f * (float)(i % 3), 0.25f, 0.3f - 0.03f * (float)(i % 4));
+        light[i].shadow = (int16_t)(i == 1 ? 4096 : 0);
+    }
+    view.object_to_view = nacre_mat4_from_float(model);
+    view.view_to_clip = nacre_mat4_from_float(perspective ? frustum : box);
+    view.lights = light;
+    view.light_count = (uint8_t)lights;
+    view.exposure = NACRE_Q16_ONE;
+    return view;
+}
+
+/* ---- contexts and frames --------------------------------------------------------------------------- */
+
+int kit_context(gl_headless **out, gl_backend backend, int width, int height)
+{
+    failure f;
+    memset(&f, 0, sizeof f);
+    return gl_headless_open(out, backend, width, height, &f) == 0;
+}
+
+int kit_difference(const image_u8 *a, const image_u8 *b, int *covered)
+{
+    int largest = 0, n = 0;
+    for (int i = 0; i < a->width * a->height; i++) {
+        n += a->texel[4 * i + 3] != 0;
+        for (int c = 0; c < 4; c++) {
+            const int d = abs(a->texel[4 * i + c] - b->texel[4 * i + c]);
+            if (d > largest) largest = d;
+        }
+    }
+    if (covered) *covered = n;
+    return largest;
+}

@@ -1,0 +1,299 @@
+/* SPDX-License-Identifier: MIT */
+/* The program from outside: every mistake gives one line that names the file or option, the documented exit code, and
+   leaves no partial output. Runs $NACRE_TOOL (build/release/nacre). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char directory[] = "/tmp/nacre-tool-XXXXXX";
+static const char *tool;
+
+typedef struct outcome {
+    int code;
+    int lines;       /* of standard error */
+    char text[2000]; /* standard error */
+} outcome;
+
+/* Run `$tool ARGUMENTS` by the shell, in the temporary directory; {tool} in a command stands for the program. */
+static outcome run(const char *format, ...)
+{
+    char arguments[1500], command[4096];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(arguments, sizeof arguments, format, args);
+    va_end(args);
+    snprintf(command, sizeof command, "cd %s && nacre() { '%s' \"$@\"; } && { %s; } 2>&1 >/dev/null", directory, tool,
+             arguments);
+    outcome o = {0};
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    size_t got = fread(o.text, 1, sizeof o.text - 1, pipe);
+    o.text[got] = 0;
+    for (const char *c = o.text; *c; c++) o.lines += *c == '\n';
+    int status = pclose(pipe);
+    o.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
+    return o;
+}
+
+static int exists(const char *name)
+{
+    char path[256];
+    struct stat status;
+    snprintf(path, sizeof path, "%s/%s", directory, name);
+    return stat(path, &status) == 0;
+}
+
+static int files_in_directory(void)
+{
+    char command[256];
+    int count = -1;
+    snprintf(command, sizeof command, "ls -A %s | wc -l", directory);
+    FILE *pipe = popen(command, "r");
+    assert_int_equal(fscanf(pipe, "%d", &count), 1);
+    pclose(pipe);
+    return count;
+}
+
+static void write_file(const char *name, const void *data, size_t size)
+{
+    char path[256];
+    snprintf(path, sizeof path, "%s/%s", directory, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    fclose(file);
+}
+
+/* A MERL table of n_th x n_td x n_pd samples, all f_r = value before the channel scales, bad at one place. */
+static void write_merl(const char *name, int n_th, int n_td, int n_pd, size_t samples, double value, double bad)
+{
+    int32_t header[3] = {n_th, n_td, n_pd};
+    double *table = calloc(samples + 1, sizeof *table);
+    unsigned char *file = malloc(sizeof header + samples * sizeof *table);
+    for (size_t i = 0; i < samples; i++) table[i] = i == 17 ? bad : value;
+    memcpy(file, header, sizeof header);
+    memcpy(file + sizeof header, table, samples * sizeof *table);
+    write_file(name, file, sizeof header + samples * sizeof *table);
+    free(table);
+    free(file);
+}
+
+typedef struct mistake {
+    const char *command;
+    int code;
+    const char *says; /* must appear in the line */
+} mistake;
+
+static void check_mistakes(const mistake *list, size_t count)
+{
+    int bad = 0, files = files_in_directory();
+    for (size_t i = 0; i < count; i++) {
+        outcome o = run("%s", list[i].command);
+        int left = files_in_directory();
+        if (o.code == list[i].code && o.lines == 1 && strstr(o.text, list[i].says) && left == files) continue;
+        print_error(
+            "%s\n  exit %d (expected %d), %d lines (expected 1), %d files more (expected 0), expected '%s' in:\n%s\n",
+            list[i].command, o.code, list[i].code, o.lines, left - files, list[i].says, o.text);
+        files = left;
+        bad++;
+    }
+    assert_int_equal(bad, 0);
+}
+#define CHECK(list) check_mistakes(list, sizeof(list) / sizeof(list)[0])
+
+static void bad_command_lines(void **state)
+{
+    (void)state;
+    static const mistake list[] = {
+        {"nacre bakee", 1, "near: bake"},
+        {"nacre bake", 1, "table, spheres or mesh"},
+        {"nacre bake tabel lambert: -o x.ktx2", 1, "tabel"},
+        {"nacre bake table", 1, "argument"},
+        {"nacre bake table lambert:albedo=.5", 1, "-o"},
+        {"nacre bake table lambert:albedo=.5 -o", 1, "-o"},
+        {"nacre bake table lambert:albedo=.5 -o x.ktx2 --sise 24x21", 1, "--size"},
+        {"nacre bake table lambert:albedo=.5 -o x.ktx2 --size 3x21", 1, "4..128"},
+        {"nacre bake table lambert:albedo=.5 -o x.ktx2 --size 24x129", 1, "128"},
+        {"nacre bake table lambert:albedo=.5 -o x.ktx2 --tier best", 1, "--tier best"},
+        {"nacre bake table lambert:albedo=.5 -o x.ktx2 --power 4.5", 1, "--power"},
+        {"nacre bake table lambert:albedo=.5 -o x.ktx2 --threads 0", 1, "--threads"},
+        {"nacre bake spheres lambert:albedo=.5 -o x.ktx2 --size 100000", 1, "--size"},
+        {"nacre bake spheres lambert:albedo=.5 -o x.ktx2 --polar 0,90,45", 1, "--polar"},
+        {"nacre bake spheres lambert:albedo=.5 -o x.ktx2 --polar 0,nan", 1, "--polar"},
+        {"nacre bake spheres lambert:albedo=.5 -o x.ktx2 --polar 0,200", 1, "--polar"},
+        {"nacre bake spheres lambert:albedo=.5 -o x.ktx2 --mode fast", 1, "--mode fast"},
+        {"nacre bake spheres lambert:albedo=.5 -o x.ktx2 --format dxt1", 1, "--format dxt1"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0 --size 100000 -o x.png", 1,
+         "--size"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0 --size 0x5 -o x.png", 1, "--size"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,x -o x.png", 1, "--light"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 -o x.png", 1, "light"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0 --backend d3d -o x.png", 1, "d3d"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0", 1, "-o"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 1,0 --light 2,0 --light 3,0 --light "
+         "4,0 "
+         "--light 5,0 --light 6,0 --light 7,0 --light 8,0 --light 9,0 -o x.png",
+         1, "8"},
+    };
+    CHECK(list);
+}
+
+static void unknown_materials_name_the_near_ones(void **state)
+{
+    (void)state;
+    static const mistake list[] = {
+        {"nacre bake table sgd:gold-metalic-paint -o x.ktx2", 1, "gold-metallic-paint"},
+        {"nacre bake table ggxx:rough=.3 -o x.ktx2", 1, "ggx"},
+        {"nacre bake table ggx:rugh=.3 -o x.ktx2", 1, "rough"},
+        {"nacre bake table ggx:rough=7 -o x.ktx2", 1, "rough"},
+        {"nacre bake table ggx:rough=nan -o x.ktx2", 1, "rough"},
+        {"nacre bake table lambert:albedo=.5/.5 -o x.ktx2", 1, "albedo"},
+        {"nacre shot --mesh teapott --material lambert:albedo=.5 --light 30,0 -o x.png", 2, "teapott"},
+    };
+    CHECK(list);
+}
+
+static void bad_files(void **state)
+{
+    (void)state;
+    write_merl("short.binary", 9, 9, 18, 9 * 9 * 18 * 3 - 1, 1, 1);
+    write_merl("long.binary", 9, 9, 18, 9 * 9 * 18 * 3 + 1, 1, 1);
+    write_merl("huge.binary", 1 << 20, 1 << 20, 1 << 20, 100, 1, 1);
+    write_merl("zero.binary", 0, 9, 18, 100, 1, 1);
+    write_merl("negative.binary", 9, -9, 18, 100, 1, 1);
+    write_merl("nan.binary", 9, 9, 18, 9 * 9 * 18 * 3, 1, 0.0 / 0.0);
+    write_merl("infinite.binary", 9, 9, 18, 9 * 9 * 18 * 3, 1, 1e300 * 1e300);
+    write_file("tiny.binary", "abc", 3);
+    write_file("empty.ktx2", "", 0);
+    write_file("text.ktx2", "this is no texture, but it is long enough to hold a header of eighty bytes, nearly.", 83);
+    write_file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", 24);
+    write_file("garbage.glb", "glTF garbage", 12);
+    static const mistake list[] = {
+        {"nacre bake table missing.binary -o x.ktx2", 2, "missing.binary"},
+        {"nacre bake table merl:missing -o x.ktx2", 2, "missing"},
+        {"nacre bake table . -o x.ktx2", 1, "."},
+        {"nacre bake table merl:. -o x.ktx2", 2, "."},
+        {"nacre bake table short.binary -o x.ktx2", 3, "short.binary"},
+        {"nacre bake table long.binary -o x.ktx2", 3, "long.binary"},
+        {"nacre bake table huge.binary -o x.ktx2", 3, "huge.binary"},
+        {"nacre bake table zero.binary -o x.ktx2", 3, "zero.binary"},
+        {"nacre bake table negative.binary -o x.ktx2", 3, "negative.binary"},
+        {"nacre bake table nan.binary -o x.ktx2", 3, "nan.binary"},
+        {"nacre bake table infinite.binary -o x.ktx2", 3, "infinite.binary"},
+        {"nacre bake table tiny.binary -o x.ktx2", 3, "tiny.binary"},
+        {"nacre bake mesh points.obj -o x.c", 3, "points.obj"},
+        {"nacre bake mesh garbage.glb -o x.c", 3, "garbage.glb"},
+        {"nacre bake mesh missing.obj -o x.c", 2, "missing.obj"},
+        {"nacre bake mesh sphere -o x.txt", 1, "x.txt"},
+        {"nacre shot --mesh points.obj --material lambert:albedo=.5 --light 30,0 -o x.png", 3, "points.obj"},
+        {"nacre shot --mesh sphere --material empty.ktx2 --light 30,0 -o x.png", 3, "empty.ktx2"},
+        {"nacre shot --mesh sphere --material text.ktx2 --light 30,0 -o x.png", 3, "text.ktx2"},
+        {"nacre shot --mesh sphere --material missing.ktx2 --light 30,0 -o x.png", 2, "missing.ktx2"},
+        {"nacre info text.ktx2", 3, "text.ktx2"},
+        {"nacre info missing.ktx2", 2, "missing.ktx2"},
+    };
+    CHECK(list);
+}
+
+static void outputs_that_cannot_be_written(void **state)
+{
+    (void)state;
+    static const mistake list[] = {
+        {"nacre bake table lambert:albedo=.5 -o no/such/place/x.ktx2", 2, "no/such/place/x.ktx2"},
+        {"nacre bake table lambert:albedo=.5 -o .", 2, "."},
+        {"nacre bake table lambert:albedo=.5 -o /dev/full", 2, "/dev/full"},
+        {"nacre bake mesh plane -o no/such/x.bin", 2, "no/such/x.bin"},
+        {"nacre shot --mesh plane --material lambert:albedo=.5 --light 30,0 --backend double --size 16 -o "
+         "no/such/x.png",
+         2, "no/such/x.png"},
+    };
+    CHECK(list);
+}
+
+static void a_full_disk_leaves_the_old_file_and_no_other(void **state)
+{
+    (void)state;
+    assert_int_equal(run("nacre bake table lambert:albedo=.5 -o kept.ktx2").code, 0);
+    assert_int_equal(run("cp kept.ktx2 before.ktx2").code, 0);
+    int files = files_in_directory();
+    /* A file-size limit of one block of 512 bytes fails the write in the middle, as a full disk does. */
+    outcome o = run("trap '' XFSZ; ulimit -f 1; nacre bake table ggx:rough=.3,f0=.04 -o kept.ktx2");
+    assert_int_equal(o.code, 2);
+    assert_int_equal(o.lines, 1);
+    assert_non_null(strstr(o.text, "kept.ktx2"));
+    assert_int_equal(files_in_directory(), files);
+    assert_int_equal(run("cmp kept.ktx2 before.ktx2").code, 0);
+}
+
+static void the_same_input_gives_the_same_bytes(void **state)
+{
+    (void)state;
+    assert_int_equal(run("nacre bake table ggx:rough=.3,f0=.04,albedo=.2 -o a.ktx2 --threads 1").code, 0);
+    assert_int_equal(run("nacre bake table ggx:rough=.3,f0=.04,albedo=.2 -o b.ktx2 --threads 4").code, 0);
+    assert_int_equal(run("cmp a.ktx2 b.ktx2").code, 0);
+    assert_int_equal(run("nacre bake spheres sgd:gold-metallic-paint --size 64 -o a.ktx2 --threads 1").code, 0);
+    assert_int_equal(run("nacre bake spheres sgd:gold-metallic-paint --size 64 -o b.ktx2 --threads 3").code, 0);
+    assert_int_equal(run("cmp a.ktx2 b.ktx2").code, 0);
+}
+
+static void c_arrays_hold_the_file_and_depfiles_its_inputs(void **state)
+{
+    (void)state;
+    write_merl("small.binary", 9, 9, 18, 9 * 9 * 18 * 3, 100, 100);
+    assert_int_equal(run("nacre bake table small.binary -o a.ktx2 --depfile a.d").code, 0);
+    assert_int_equal(run("nacre bake table small.binary -o my-table.c").code, 0);
+    assert_true(exists("my-table.c"));
+    assert_int_equal(run("grep -q '^a.ktx2: small.binary$' a.d").code, 0);
+    static const char program[] = "#include <stdio.h>\nextern const unsigned char my_table[];\n"
+                                  "extern const unsigned long my_table_size;\n"
+                                  "int main(void) { fwrite(my_table, 1, my_table_size, stdout); return 0; }\n";
+    write_file("main.c", program, sizeof program - 1);
+    assert_int_equal(run("cc -std=c99 -Wall -Wextra -pedantic -Werror -o main main.c my-table.c && ./main >b.ktx2 && "
+                         "cmp a.ktx2 b.ktx2")
+                         .code,
+                     0);
+}
+
+static int make_directory(void **state)
+{
+    (void)state;
+    tool = getenv("NACRE_TOOL") ? getenv("NACRE_TOOL") : "build/release/nacre";
+    static char absolute[4096];
+    if (!realpath(tool, absolute)) {
+        print_error("%s: not there; set NACRE_TOOL\n", tool);
+        return 1;
+    }
+    tool = absolute;
+    return mkdtemp(directory) ? 0 : 1;
+}
+
+static int remove_directory(void **state)
+{
+    (void)state;
+    char command[64];
+    snprintf(command, sizeof command, "rm -rf %s", directory);
+    return system(command);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bad_command_lines),
+        cmocka_unit_test(unknown_materials_name_the_near_ones),
+        cmocka_unit_test(bad_files),
+        cmocka_unit_test(outputs_that_cannot_be_written),
+        cmocka_unit_test(a_full_disk_leaves_the_old_file_and_no_other),
+        cmocka_unit_test(the_same_input_gives_the_same_bytes),
+        cmocka_unit_test(c_arrays_hold_the_file_and_depfiles_its_inputs),
+    };
+    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+}

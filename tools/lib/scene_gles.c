@@ -1,0 +1,395 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Shots through the runtime, as an application would make them: a context, a block of memory, meshes and materials
+ * added, drawn, removed.
+ */
+#include "scene.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "nacre_gles.h"
+
+/* The few GL values used here; the entry points come from the context like the runtime's own. */
+#define GL_ARRAY_BUFFER         0x8892u
+#define GL_ELEMENT_ARRAY_BUFFER 0x8893u
+#define GL_STREAM_DRAW          0x88E0u
+#define GL_STATIC_DRAW          0x88E4u
+#define GL_DEPTH_TEST           0x0B71u
+#define GL_FLOAT                0x1406u
+#define GL_UNSIGNED_SHORT       0x1403u
+#define GL_MAX_VIEWPORT_DIMS    0x0D3Au
+
+typedef struct gl_procs {
+    void (*gen_buffers)(int count, unsigned *names);
+    void (*delete_buffers)(int count, const unsigned *names);
+    void (*bind_buffer)(unsigned target, unsigned name);
+    void (*buffer_data)(unsigned target, ptrdiff_t size, const void *data, unsigned usage);
+    void (*enable)(unsigned capability);
+    void (*viewport)(int x, int y, int width, int height);
+    void (*get_integers)(unsigned name, int *out);
+} gl_procs;
+
+struct scene_gles {
+    gl_headless *context;
+    nacre_gles *gles;
+    void *block;
+    gl_procs gl;
+    int width, height;
+    char log[600]; /* the runtime's last message, one line */
+};
+
+/* Quads of one draw: with 16-bit indices, as every device has them. */
+#define BATCH_QUADS 16383
+
+typedef struct sphere_vertex {
+    float position[3], normal[3], tangent[4], uv[2];
+} sphere_vertex;
+
+static void keep_log(void *user, nacre_result code, const char *message)
+{
+    scene_gles *g = user;
+    size_t i;
+
+    (void)code;
+    snprintf(g->log, sizeof g->log, ": %.500s", message);
+    for (i = 0; g->log[i]; i++)
+        if (g->log[i] == '\n' || g->log[i] == '\r') g->log[i] = ' ';
+}
+
+static int check(scene_gles *g, nacre_result r, const char *what, failure *f)
+{
+    int code = r == NACRE_ERR_ASSET         ? FAIL_INVALID
+               : r == NACRE_ERR_UNSUPPORTED ? FAIL_UNSUPPORTED
+               : r == NACRE_ERR_GL          ? FAIL_UNSUPPORTED
+                                            : FAIL_INTERNAL;
+
+    if (r == NACRE_OK) return FAIL_NONE;
+    return fail(f, code, "%s: %s%s", what, nacre_result_text(r), g->log);
+}
+
+static void load(void *function, const char *name)
+{
+    void *p = gl_headless_proc(NULL, name);
+
+    memcpy(function, &p, sizeof p);
+}
+
+int scene_gles_open(scene_gles **out, gl_backend backend, int width, int height, failure *f)
+{
+    scene_gles *g = need_memory(1, sizeof *g);
+    nacre_gles_desc desc = {.get_proc = gl_headless_proc, .log = keep_log, .user = g, .max_items = 64};
+    int code = gl_headless_open(&g->context, backend, width, height, f), largest[2] = {0, 0};
+
+    if (code) {
+        free(g);
+        return code;
+    }
+    desc.prefer_es2 = backend == GL_BACKEND_EGL2;
+    g->width = width;
+    g->height = height;
+    load(&g->gl.gen_buffers, "glGenBuffers");
+    load(&g->gl.delete_buffers, "glDeleteBuffers");
+    load(&g->gl.bind_buffer, "glBindBuffer");
+    load(&g->gl.buffer_data, "glBufferData");
+    load(&g->gl.enable, "glEnable");
+    load(&g->gl.viewport, "glViewport");
+    load(&g->gl.get_integers, "glGetIntegerv");
+    g->gl.get_integers(GL_MAX_VIEWPORT_DIMS, largest);
+    if (width > largest[0] || height > largest[1])
+        code = fail(f, FAIL_UNSUPPORTED, "frame of %dx%d: this device draws at most %dx%d", width, height, largest[0],
+                    largest[1]);
+    if (!code) {
+        g->block = need_memory(1, nacre_gles_size(&desc));
+        code = check(g, nacre_gles_init(&g->gles, g->block, nacre_gles_size(&desc), &desc), "nacre_gles_init", f);
+    }
+    if (code) {
+        scene_gles_close(g);
+        return code;
+    }
+    g->gl.enable(GL_DEPTH_TEST);
+    g->gl.viewport(0, 0, width, height);
+    *out = g;
+    return FAIL_NONE;
+}
+
+void scene_gles_close(scene_gles *g)
+{
+    if (!g) return;
+    if (g->gles) nacre_gles_shutdown(g->gles);
+    gl_headless_close(g->context);
+    free(g->block);
+    free(g);
+}
+
+const char *scene_gles_description(const scene_gles *g)
+{
+    return gl_headless_description(g->context);
+}
+
+/* ---- the scene in the runtime's numbers ------------------------------------------------------------------------ */
+
+static nacre_q16 q16(double x)
+{
+    double y = x * 65536;
+
+    return y >= INT32_MAX ? INT32_MAX : y <= INT32_MIN ? INT32_MIN : (nacre_q16)lrint(y);
+}
+
+static nacre_rgb rgb(const double x[3])
+{
+    nacre_rgb out = {q16(x[0]), q16(x[1]), q16(x[2])};
+
+    return out;
+}
+
+static nacre_mat4 mat4(const double m[16])
+{
+    nacre_mat4 out;
+    int i;
+
+    for (i = 0; i < 16; i++) out.m[i] = q16(m[i]);
+    return out;
+}
+
+static void set_light(nacre_light *out, const scene_light *light)
+{
+    int i;
+
+    *out = (nacre_light){.type = light->point ? NACRE_LIGHT_POINT : NACRE_LIGHT_DIRECTIONAL};
+    out->direction.x = (nacre_q14)lrint(light->direction[0] * 16384);
+    out->direction.y = (nacre_q14)lrint(light->direction[1] * 16384);
+    out->direction.z = (nacre_q14)lrint(light->direction[2] * 16384);
+    for (i = 0; i < 3; i++) out->position[i] = q16(light->position[i]);
+    out->power = rgb(light->power);
+    out->shadow = (nacre_q14)lrint(light->shadow * 16384);
+}
+
+static void set_view(nacre_view *view, nacre_light lights[SCENE_MAX_LIGHTS], const scene *s)
+{
+    int i;
+
+    *view = (nacre_view){.lights = lights, .light_count = (uint8_t)s->light_count, .output = (uint8_t)s->output};
+    view->object_to_view = mat4(s->object_to_view);
+    view->view_to_clip = mat4(s->view_to_clip);
+    view->distant_viewer = s->distant_viewer != 0;
+    view->exposure = q16(s->exposure);
+    view->ambient = rgb(s->ambient);
+    view->tint = rgb(s->tint);
+    /* 0 means 1 to the runtime; the smallest number stands for none. */
+    if (!view->exposure) view->exposure = 1;
+    if (!view->tint.r && !view->tint.g && !view->tint.b) view->tint.r = view->tint.g = view->tint.b = 1;
+    for (i = 0; i < s->light_count; i++) set_light(&lights[i], &s->light[i]);
+}
+
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
+
+static int draw_part(scene_gles *g, const nacre_mesh *part, const nacre_material *material, const nacre_view *view,
+                     failure *f)
+{
+    nacre_gles_item item;
+    int code = check(g, nacre_gles_add(g->gles, part, material, &item), "nacre_gles_add", f);
+
+    if (code) return code;
+    code = check(g, nacre_gles_draw(g->gles, item, view), "nacre_gles_draw", f);
+    nacre_gles_remove(g->gles, item);
+    return code;
+}
+
+static int draw_mesh(scene_gles *g, const scene *s, const nacre_material *material, const nacre_view *view, failure *f)
+{
+    nacre_mesh *parts;
+    int count, i, code = mesh_pack(s->shape, &parts, &count, f);
+
+    if (code) return code;
+    for (i = 0; i < count && !code; i++) code = draw_part(g, &parts[i], material, view, f);
+    free(parts);
+    return code;
+}
+
+/* ---- the exact sphere: a quad per covered pixel, with the one normal of its centre ------------------------------- */
+
+static void set_quad(sphere_vertex quad[4], const scene *s, const double clip_to_object[16], int i, int j,
+                     const scene_hit *hit)
+{
+    int corner, k;
+
+    for (corner = 0; corner < 4; corner++) {
+        sphere_vertex *v = &quad[corner];
+        double clip[4] = {2.0 * (i + (corner & 1)) / s->width - 1, 1 - 2.0 * (j + (corner >> 1)) / s->height,
+                          hit->z_ndc, 1};
+        double p[4];
+        matrix_apply(p, clip_to_object, clip);
+        for (k = 0; k < 3; k++) {
+            v->position[k] = (float)(p[k] / p[3]);
+            v->normal[k] = (float)hit->normal[k];
+            v->tangent[k] = (float)hit->tangent[k];
+        }
+        v->tangent[3] = 1;
+        v->uv[0] = (float)hit->uv[0];
+        v->uv[1] = (float)hit->uv[1];
+    }
+}
+
+static nacre_gles_buffers describe(unsigned vertices, unsigned indices)
+{
+    nacre_gles_buffers b = {.vertex_buffer = vertices, .index_buffer = indices, .index_type = GL_UNSIGNED_SHORT};
+    const uint32_t stride = sizeof(sphere_vertex);
+
+    b.attribute[NACRE_GLES_POSITION] =
+        (nacre_gles_attribute){GL_FLOAT, 3, 0, offsetof(sphere_vertex, position), stride};
+    b.attribute[NACRE_GLES_NORMAL] = (nacre_gles_attribute){GL_FLOAT, 3, 0, offsetof(sphere_vertex, normal), stride};
+    b.attribute[NACRE_GLES_TANGENT] = (nacre_gles_attribute){GL_FLOAT, 4, 0, offsetof(sphere_vertex, tangent), stride};
+    b.attribute[NACRE_GLES_UV] = (nacre_gles_attribute){GL_FLOAT, 2, 0, offsetof(sphere_vertex, uv), stride};
+    return b;
+}
+
+static void upload_quad_indices(const gl_procs *gl, unsigned name)
+{
+    static const uint16_t corner[6] = {0, 2, 3, 0, 3, 1};
+    uint16_t *index = need_memory(BATCH_QUADS * 6, sizeof *index);
+    int i;
+
+    for (i = 0; i < BATCH_QUADS * 6; i++) index[i] = (uint16_t)(4 * (i / 6) + corner[i % 6]);
+    gl->bind_buffer(GL_ELEMENT_ARRAY_BUFFER, name);
+    gl->buffer_data(GL_ELEMENT_ARRAY_BUFFER, BATCH_QUADS * 6 * (ptrdiff_t)sizeof *index, index, GL_STATIC_DRAW);
+    gl->bind_buffer(GL_ELEMENT_ARRAY_BUFFER, 0);
+    free(index);
+}
+
+static int draw_batch(scene_gles *g, nacre_gles_item item, nacre_gles_buffers *buffers, const sphere_vertex *vertices,
+                      int quads, const nacre_view *view, failure *f)
+{
+    int code;
+
+    if (!quads) return FAIL_NONE;
+    g->gl.bind_buffer(GL_ARRAY_BUFFER, buffers->vertex_buffer);
+    g->gl.buffer_data(GL_ARRAY_BUFFER, (ptrdiff_t)sizeof *vertices * 4 * quads, vertices, GL_STREAM_DRAW);
+    g->gl.bind_buffer(GL_ARRAY_BUFFER, 0);
+    buffers->count = 6 * (uint32_t)quads;
+    code = check(g, nacre_gles_set_buffers(g->gles, item, buffers), "nacre_gles_set_buffers", f);
+    return code ? code : check(g, nacre_gles_draw(g->gles, item, view), "nacre_gles_draw", f);
+}
+
+static int draw_quads(scene_gles *g, const scene *s, nacre_gles_item item, nacre_gles_buffers *buffers,
+                      const nacre_view *view, failure *f)
+{
+    sphere_vertex *vertices = need_memory(BATCH_QUADS * 4, sizeof *vertices);
+    double clip_to_object[16];
+    int i, quads = 0, code = FAIL_NONE, pixels = s->width * s->height;
+
+    if (!scene_clip_to_object(s, clip_to_object)) code = fail(f, FAIL_USAGE, "the camera's matrix has no inverse");
+    for (i = 0; i < pixels && !code; i++) {
+        scene_hit hit;
+        if (!scene_sphere_hit(s, clip_to_object, i % s->width, i / s->width, &hit)) continue;
+        set_quad(vertices + 4 * quads, s, clip_to_object, i % s->width, i / s->width, &hit);
+        if (++quads < BATCH_QUADS) continue;
+        code = draw_batch(g, item, buffers, vertices, quads, view, f);
+        quads = 0;
+    }
+    if (!code) code = draw_batch(g, item, buffers, vertices, quads, view, f);
+    free(vertices);
+    return code;
+}
+
+static int draw_sphere(scene_gles *g, const scene *s, const nacre_material *material, const nacre_view *view,
+                       failure *f)
+{
+    nacre_gles_buffers buffers;
+    nacre_gles_item item;
+    unsigned name[2];
+    int code;
+
+    g->gl.gen_buffers(2, name);
+    buffers = describe(name[0], name[1]);
+    upload_quad_indices(&g->gl, name[1]);
+    buffers.count = 6; /* each batch gives its own */
+    code = check(g, nacre_gles_add_buffers(g->gles, &buffers, material, &item), "nacre_gles_add_buffers", f);
+    if (!code) {
+        code = draw_quads(g, s, item, &buffers, view, f);
+        nacre_gles_remove(g->gles, item);
+    }
+    g->gl.delete_buffers(2, name);
+    return code;
+}
+
+/* ---- the shot ---------------------------------------------------------------------------------------------------- */
+
+/* The runtime's q16 numbers are exact to 1.5e-5: a mesh of millimetres, or of kilometres, is drawn scaled to about
+   one unit, its camera and point lights with it. The picture is the same. */
+static double unit_scale(const mesh *m)
+{
+    float centre[3], half[3];
+    double largest = 0;
+    int i;
+
+    mesh_bounds(m, centre, half);
+    for (i = 0; i < 3; i++) largest = fmax(largest, fmax(half[i], fabs(centre[i]) / 16));
+    return largest > 0 && (largest < 0.5 || largest > 16) ? 1 / largest : 1;
+}
+
+static void scale_view(scene *s, double k)
+{
+    double *p = s->view_to_clip;
+    int i, c, perspective = p[3] != 0 || p[7] != 0 || p[11] != 0;
+
+    for (i = 12; i < 15; i++) s->object_to_view[i] *= k;
+    /* P diag(1/k) gives the same clip coordinates; a perspective one may then be multiplied by k as a whole. */
+    for (i = 0; i < 12 && !perspective; i++) p[i] /= k;
+    for (i = 12; i < 16 && perspective; i++) p[i] *= k;
+    for (i = 0; i < s->light_count; i++) {
+        if (!s->light[i].point) continue;
+        for (c = 0; c < 3; c++) {
+            s->light[i].position[c] *= k;
+            s->light[i].power[c] *= k * k;
+        }
+    }
+}
+
+static int draw_scaled(scene_gles *g, const scene *s, const nacre_material *material, failure *f)
+{
+    nacre_light lights[SCENE_MAX_LIGHTS];
+    nacre_view view;
+
+    set_view(&view, lights, s);
+    gl_headless_clear(g->context, 0, 0, 0, 0);
+    return s->exact_sphere ? draw_sphere(g, s, material, &view, f) : draw_mesh(g, s, material, &view, f);
+}
+
+int scene_gles_draw(scene_gles *g, const scene *s, const nacre_material *material, image_u8 *out, failure *f)
+{
+    scene scaled = *s;
+    mesh shape = *s->shape;
+    float(*position)[3] = NULL;
+    double k = s->exact_sphere ? 1 : unit_scale(s->shape);
+    int i, c, code;
+
+    if (s->width != g->width || s->height != g->height)
+        return fail(f, FAIL_INTERNAL, "scene of %dx%d in a context of %dx%d", s->width, s->height, g->width, g->height);
+    g->log[0] = 0;
+    if (k != 1) {
+        position = need_memory((size_t)shape.vertex_count, sizeof *position);
+        for (i = 0; i < shape.vertex_count; i++)
+            for (c = 0; c < 3; c++) position[i][c] = (float)(shape.position[i][c] * k);
+        shape.position = position;
+        scaled.shape = &shape;
+        scale_view(&scaled, k);
+    }
+    code = draw_scaled(g, &scaled, material, f);
+    free(position);
+    if (!code) gl_headless_read(g->context, out);
+    return code;
+}
+
+int scene_draw_gles(const scene *s, const nacre_material *material, gl_backend backend, image_u8 *out, failure *f)
+{
+    scene_gles *g;
+    int code = scene_gles_open(&g, backend, s->width, s->height, f);
+
+    if (code) return code;
+    code = scene_gles_draw(g, s, material, out, f);
+    scene_gles_close(g);
+    return code;
+}
