@@ -250,8 +250,11 @@ static void set_camera(shade_frame *out, const nacre_view *view, const int64_t c
         out->eye[2] = fx_real_make(1, 0);
         return;
     }
-    out->eye[3] = fx_real_make(1, 0);
     if (!out->persp) rotation_to_z(direction, out->turn_q28);
+    if (view->distant_viewer)
+        for (i = 0; i < 3; i++) out->eye[i] = fx_real_make(direction[i], -28);
+    else
+        out->eye[3] = fx_real_make(1, 0);
 }
 
 void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centre[3], const shade_material *material,

@@ -6,12 +6,18 @@
 
 #include "proc.h"
 
-#define NAMES 512
-#define UNITS 16
-#define VAOS  16
+#define OBJECTS 512 /* alive at once */
+#define UNITS   16
+#define VAOS    16
 
 enum { INVALID_ENUM = 0x0500, INVALID_VALUE = 0x0501, INVALID_OPERATION = 0x0502 };
-typedef enum kind { NONE, TEXTURE, BUFFER, FRAMEBUFFER, RENDERBUFFER, SHADER, PROGRAM, VERTEX_ARRAY, KINDS } kind;
+typedef enum kind { NONE, TEXTURE, BUFFER, FRAMEBUFFER, RENDERBUFFER, SHADER, PROGRAM, VERTEX_ARRAY } kind;
+
+typedef struct object {
+    kind what; /* NONE: free */
+    gl_uint name;
+    uint32_t bytes[13]; /* textures by level; buffers and renderbuffers in [0] */
+} object;
 
 typedef struct attribute {
     gl_int enabled, size, type, normalized, stride, buffer;
@@ -45,9 +51,8 @@ static struct fake {
     gl_enum error;
     int draws;
     /* objects: by kind and name */
-    uint8_t lives[KINDS][NAMES];
+    object objects[OBJECTS];
     gl_uint next_name;
-    uint32_t bytes[KINDS][NAMES][13]; /* textures by level; buffers and renderbuffers in [0] */
     /* state */
     gl_uint program, framebuffer, read_framebuffer, renderbuffer, array_buffer, unpack_buffer, vertex_array;
     gl_uint active, texture[UNITS], sampler[UNITS];
@@ -109,7 +114,7 @@ static int can_fail(int proc)
                                         "TexParameter",
                                         "GetUniformLocation",
                                         "Uniform",
-                                        "VertexAttribPointer",
+
                                         "DrawArrays",
                                         "DrawElements"};
     for (size_t i = 0; i < sizeof words / sizeof *words; i++)
@@ -137,11 +142,21 @@ static int enter(int proc)
 
 /* ---- objects ------------------------------------------------------------------------------------ */
 
+static object *find_object(kind k, gl_uint name)
+{
+    for (int i = 0; name && i < OBJECTS; i++)
+        if (f.objects[i].what == k && f.objects[i].name == name) return &f.objects[i];
+    return NULL;
+}
+
 static void made(kind k, gl_uint name)
 {
-    if (name && name < NAMES) {
-        f.lives[k][name] = 1;
-        memset(f.bytes[k][name], 0, sizeof f.bytes[k][name]);
+    for (int i = 0; name && i < OBJECTS; i++) {
+        if (f.objects[i].what != NONE) continue;
+        memset(&f.objects[i], 0, sizeof f.objects[i]);
+        f.objects[i].what = k;
+        f.objects[i].name = name;
+        return;
     }
 }
 
@@ -162,15 +177,26 @@ static void gen(kind k, gl_sizei n, gl_uint *names)
 
 static int deletes(kind k, gl_uint name)
 {
-    if (!name || name >= NAMES || !f.lives[k][name]) return 0;
-    f.lives[k][name] = 0;
-    memset(f.bytes[k][name], 0, sizeof f.bytes[k][name]);
-    return 1;
+    object *o = find_object(k, name);
+    if (o) o->what = NONE;
+    return o != NULL;
 }
 
 static int lives(kind k, gl_uint name)
 {
-    return name && name < NAMES && f.lives[k][name];
+    return find_object(k, name) != NULL;
+}
+
+static void set_bytes(kind k, gl_uint name, int level, uint32_t bytes)
+{
+    object *o = find_object(k, name);
+    if (o) o->bytes[level] = bytes;
+}
+
+static uint32_t first_bytes(kind k, gl_uint name)
+{
+    const object *o = find_object(k, name);
+    return o ? o->bytes[0] : 0;
 }
 
 /* Binding a name: it must be 0 or alive (names that were never generated are legal in ES, and a bug of ours). */
@@ -226,8 +252,7 @@ static gl_enum on_GetError(void)
 static const gl_ubyte *on_GetString(gl_enum name)
 {
     if (name == GLES_VERSION && f.o.version) return (const gl_ubyte *)f.o.version;
-    if (name == GLES_VERSION)
-        return (const gl_ubyte *)(f.o.es == 3 ? "OpenGL ES 3.0 fake" : "OpenGL ES 2.0 fake");
+    if (name == GLES_VERSION) return (const gl_ubyte *)(f.o.es == 3 ? "OpenGL ES 3.0 fake" : "OpenGL ES 2.0 fake");
     if (name == GLES_EXTENSIONS) return (const gl_ubyte *)(f.o.extensions ? f.o.extensions : "");
     return (const gl_ubyte *)"fake";
 }
@@ -437,8 +462,8 @@ static void store_level(gl_int level, gl_sizei w, gl_sizei h, uint32_t bytes)
     else if (!is_real() && f.o.es < 3 && level && ((w & (w - 1)) || (h & (h - 1))) &&
              !has_extension("GL_OES_texture_npot"))
         set_error(INVALID_VALUE);
-    else if (name < NAMES)
-        f.bytes[TEXTURE][name][level] = bytes;
+    else
+        set_bytes(TEXTURE, name, level, bytes);
 }
 
 static void on_TexImage2D(gl_enum target, gl_int level, gl_int internal, gl_sizei w, gl_sizei h, gl_int border,
@@ -491,8 +516,8 @@ static void on_BufferData(gl_enum target, gl_sizeiptr size, const void *data, gl
     (void)data, (void)usage;
     if (!b || !*b)
         set_error(INVALID_OPERATION);
-    else if (*b < NAMES)
-        f.bytes[BUFFER][*b][0] = (uint32_t)size;
+    else
+        set_bytes(BUFFER, *b, 0, (uint32_t)size);
 }
 
 static void on_GenFramebuffers(gl_sizei n, gl_uint *names)
@@ -557,8 +582,8 @@ static void on_RenderbufferStorage(gl_enum target, gl_enum internal, gl_sizei w,
     (void)target;
     if (internal != GLES_DEPTH_COMPONENT16 || !f.renderbuffer)
         set_error(INVALID_ENUM);
-    else if (f.renderbuffer < NAMES)
-        f.bytes[RENDERBUFFER][f.renderbuffer][0] = (uint32_t)w * (uint32_t)h * 2;
+    else
+        set_bytes(RENDERBUFFER, f.renderbuffer, 0, (uint32_t)w * (uint32_t)h * 2);
 }
 
 static gl_uint on_CreateShader(gl_enum type)
@@ -805,7 +830,7 @@ static void check_draw(void)
     int ok = lives(PROGRAM, f.program) && lives(TEXTURE, f.texture[0]);
     for (int i = 0; i < 2; i++) {
         const attribute *a = &array_now()->attribute[i];
-        ok = ok && a->enabled && lives(BUFFER, (gl_uint)a->buffer) && f.bytes[BUFFER][a->buffer][0];
+        ok = ok && a->enabled && lives(BUFFER, (gl_uint)a->buffer) && first_bytes(BUFFER, (gl_uint)a->buffer);
     }
     if (ok || is_real())
         f.draws++;
@@ -824,7 +849,7 @@ static void on_DrawElements(gl_enum mode, gl_sizei count, gl_enum type, const vo
     const gl_uint b = array_now()->element_buffer;
     const uint32_t size = type == GLES_UNSIGNED_INT ? 4 : 2;
     if (mode != GLES_TRIANGLES || count < 0) set_error(INVALID_VALUE);
-    if (!is_real() && (!lives(BUFFER, b) || (uintptr_t)offset + (uint32_t)count * size > f.bytes[BUFFER][b][0]))
+    if (!is_real() && (!lives(BUFFER, b) || (uintptr_t)offset + (uint32_t)count * size > first_bytes(BUFFER, b)))
         set_error(INVALID_OPERATION);
     check_draw();
 }
@@ -954,8 +979,7 @@ static int find_proc(const char *name)
 
 void fake_gl_new_context(void)
 {
-    memset(f.lives, 0, sizeof f.lives);
-    memset(f.bytes, 0, sizeof f.bytes);
+    memset(f.objects, 0, sizeof f.objects);
     memset(f.texture, 0, sizeof f.texture);
     memset(f.sampler, 0, sizeof f.sampler);
     memset(f.array, 0, sizeof f.array);
@@ -1051,16 +1075,15 @@ const char *fake_gl_failed_name(void)
 int fake_gl_live(void)
 {
     int n = 0;
-    for (int k = 0; k < KINDS; k++)
-        for (int i = 0; i < NAMES; i++) n += f.lives[k][i];
+    for (int i = 0; i < OBJECTS; i++) n += f.objects[i].what != NONE;
     return n;
 }
 
 static uint32_t bytes_of(kind k)
 {
     uint32_t sum = 0;
-    for (int i = 0; i < NAMES; i++)
-        for (int l = 0; l < 13; l++) sum += f.bytes[k][i][l];
+    for (int i = 0; i < OBJECTS; i++)
+        for (int l = 0; l < 13 && f.objects[i].what == k; l++) sum += f.objects[i].bytes[l];
     return sum;
 }
 

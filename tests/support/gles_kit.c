@@ -69,7 +69,7 @@ static void fill(ktx2_image *k, int normal)
 
 static void add_keys(ktx2_image *k, kit_model model)
 {
-    static const double albedo[3] = {0.25, 0.5, 0.125}, scale[3] = {20, 12.5, 5};
+    static const double albedo[3] = {0.25, 0.5, 0.125}, f_scale[3] = {20, 12.5, 5}, e[3] = {0.5, 0.5, 0.5};
     const uint32_t cosine = model == KIT_PAPER, one = 1, polar[5] = {0, 8192, 16384, 24576, 30000};
     const double disc = model == KIT_PAPER ? 1 : 0.9375;
     if (model == KIT_NORMAL) {
@@ -80,7 +80,7 @@ static void add_keys(ktx2_image *k, kit_model model)
     if (model == KIT_TABLE || model == KIT_FINE) {
         const double fine = model == KIT_FINE;
         const double table[9] = {
-            1.5,       0.875,      fine ? 0 : 0.5, fine ? 0 : 0.25, fine ? 0 : -0.25, fine ? 4 : 4.8,
+            1.5,       2.25,       fine ? 0 : 0.5, fine ? 0 : 0.25, fine ? 0 : -0.25, fine ? 4 : 4.8,
             1.0 / 256, 0.5 * fine, 0.25 * fine};
         ktx2_key_text(k, NACRE_KEY_ROLE, "table");
         ktx2_key_q16(k, NACRE_KEY_TABLE, table, 9);
@@ -90,7 +90,7 @@ static void add_keys(ktx2_image *k, kit_model model)
     ktx2_key_text(k, NACRE_KEY_TRANSFER, cosine ? "srgb" : "root4");
     ktx2_key_u32(k, NACRE_KEY_LIGHT_POLAR, polar, k->layers);
     ktx2_key_u32(k, NACRE_KEY_COSINE, &cosine, 1);
-    ktx2_key_q16(k, NACRE_KEY_SCALE, scale, 3);
+    ktx2_key_q16(k, NACRE_KEY_SCALE, cosine ? e : f_scale, 3);
     ktx2_key_q16(k, NACRE_KEY_DISC, &disc, 1);
     if (model == KIT_ETC1) ktx2_key_u32(k, NACRE_KEY_ETC1, &one, 1);
 }
@@ -253,4 +253,35 @@ int kit_difference(const image_u8 *a, const image_u8 *b, int *covered)
     }
     if (covered) *covered = n;
     return largest;
+}
+
+/* ---- the object ------------------------------------------------------------------------------------ */
+
+static void note(void *user, nacre_result code, const char *message)
+{
+    kit_world *w = user;
+    const size_t n = strlen(w->log);
+    snprintf(w->log + n, sizeof w->log - n, "%d %s\n", (int)code, message);
+}
+
+void kit_world_make(kit_world *w, const nacre_gles_desc *desc)
+{
+    memset(w, 0, sizeof *w);
+    if (desc) w->desc = *desc;
+    w->desc.get_proc = fake_gl_proc;
+    w->desc.log = note;
+    w->desc.user = w;
+    workspace_make(&w->block, nacre_gles_size(&w->desc), WORKSPACE_FAULT_AFTER);
+}
+
+nacre_result kit_world_init(kit_world *w)
+{
+    return nacre_gles_init(&w->gles, w->block.data, w->block.size, &w->desc);
+}
+
+int kit_world_free(kit_world *w)
+{
+    const int intact = workspace_intact(&w->block);
+    workspace_free(&w->block);
+    return intact;
 }

@@ -6,6 +6,7 @@
 #include "fake_gl.h"
 #include "gl_headless.h"
 #include "nacre_gles.h"
+#include "workspace.h"
 
 typedef enum kit_model {
     KIT_TABLE,   /* 24 x 21, p = 4.8, phi_d */
@@ -36,5 +37,19 @@ nacre_view kit_view(int lights, int points, int perspective);
 int kit_context(gl_headless **out, gl_backend backend, int width, int height);
 /* Largest difference of any channel, and at *covered (may be NULL) how many pixels of a are not background. */
 int kit_difference(const image_u8 *a, const image_u8 *b, int *covered);
+
+/* An object in a guarded block of its own, on the loader of fake_gl (started by the caller). */
+typedef struct kit_world {
+    workspace block;
+    nacre_gles *gles; /* NULL: not begun */
+    nacre_gles_desc desc;
+    char log[4000];
+} kit_world;
+
+/* Fills in get_proc, log and user; desc may be NULL. Makes the block, calls nothing. */
+void kit_world_make(kit_world *w, const nacre_gles_desc *desc);
+nacre_result kit_world_init(kit_world *w);
+/* Returns 1 when the block's surroundings are as they were. */
+int kit_world_free(kit_world *w);
 
 #endif

@@ -9,43 +9,19 @@
 
 #include "gles_kit.h"
 #include "nacre_asset.h"
-#include "workspace.h"
 
 #include <cmocka.h>
 
 static kit assets;
 
-typedef struct world {
-    workspace block;
-    nacre_gles *gles;
-    nacre_gles_desc desc;
-    char log[4000];
-} world;
-
-static void note(void *user, nacre_result code, const char *message)
-{
-    world *w = user;
-    const size_t n = strlen(w->log);
-    snprintf(w->log + n, sizeof w->log - n, "%d %s\n", (int)code, message);
-}
-
-static void *proc_of_world(void *user, const char *name)
-{
-    (void)user;
-    return fake_gl_proc(NULL, name);
-}
+typedef kit_world world;
 
 static world *open_world(world *w, const fake_gl_options *options, const nacre_gles_desc *desc)
 {
     const fake_gl_options es2 = {0};
-    memset(w, 0, sizeof *w);
     fake_gl_start(options ? options : &es2);
-    if (desc) w->desc = *desc;
-    w->desc.get_proc = proc_of_world;
-    w->desc.log = note;
-    w->desc.user = w;
-    workspace_make(&w->block, nacre_gles_size(&w->desc), WORKSPACE_FAULT_AFTER);
-    assert_int_equal(nacre_gles_init(&w->gles, w->block.data, w->block.size, &w->desc), NACRE_OK);
+    kit_world_make(w, desc);
+    assert_int_equal(kit_world_init(w), NACRE_OK);
     return w;
 }
 
@@ -56,8 +32,7 @@ static void close_world(world *w)
     assert_int_equal(fake_gl_live(), 0);
     assert_int_equal(fake_gl_texture_bytes(), 0);
     assert_int_equal(fake_gl_pending_error(), 0);
-    assert_true(workspace_intact(&w->block));
-    workspace_free(&w->block);
+    assert_true(kit_world_free(w));
 }
 
 static nacre_gles_item add(world *w, kit_model model, int normal)
@@ -75,7 +50,7 @@ static void init_refuses_bad_arguments(void **state)
 {
     (void)state;
     static uint64_t block[4000];
-    const nacre_gles_desc none = {0}, ok = {.get_proc = proc_of_world};
+    const nacre_gles_desc none = {0}, ok = {.get_proc = fake_gl_proc};
     const fake_gl_options es2 = {0};
     nacre_gles *gles = NULL;
     fake_gl_start(&es2);
@@ -99,17 +74,16 @@ static void init_needs_every_entry_point(void **state)
     static const char *const names[] = {"glGetError", "glTexImage2D", "glDrawElements", "glGetVertexAttribPointerv"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         const fake_gl_options o = {.missing = names[i]};
-        world w = {.desc = {.get_proc = proc_of_world, .log = note, .user = &w}};
+        world w;
         fake_gl_start(&o);
-        workspace_make(&w.block, nacre_gles_size(&w.desc), WORKSPACE_FAULT_AFTER);
-        assert_int_equal(nacre_gles_init(&w.gles, w.block.data, w.block.size, &w.desc), NACRE_ERR_UNSUPPORTED);
+        kit_world_make(&w, NULL);
+        assert_int_equal(kit_world_init(&w), NACRE_ERR_UNSUPPORTED);
         assert_null(w.gles);
         assert_non_null(strstr(w.log, names[i]));
         assert_int_equal(fake_gl_live(), 0);
         workspace_free(&w.block);
     }
 }
-
 
 static void init_reads_versions(void **state)
 {
@@ -129,12 +103,11 @@ static void init_reads_versions(void **state)
         {"", "", NACRE_ERR_UNSUPPORTED},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const fake_gl_options o = {
-            .es = 3, .version = cases[i].version, .extensions = cases[i].extensions};
-        world w = {.desc = {.get_proc = proc_of_world}};
+        const fake_gl_options o = {.es = 3, .version = cases[i].version, .extensions = cases[i].extensions};
+        world w;
         fake_gl_start(&o);
-        workspace_make(&w.block, nacre_gles_size(&w.desc), WORKSPACE_FAULT_AFTER);
-        assert_int_equal(nacre_gles_init(&w.gles, w.block.data, w.block.size, &w.desc), cases[i].result);
+        kit_world_make(&w, NULL);
+        assert_int_equal(kit_world_init(&w), cases[i].result);
         nacre_gles_shutdown(w.gles);
         assert_int_equal(fake_gl_live(), 0);
         workspace_free(&w.block);
@@ -255,9 +228,8 @@ static void texture_bytes_are_what_gl_got(void **state)
         kit_model model;
         int es2_levels, es3_levels;
     } cases[] = {
-        {KIT_TABLE, 1, 1}, {KIT_FINE, 1, 1},   {KIT_SPHERES, 6, 6},
-        {KIT_PAPER, 6, 6}, {KIT_ETC1, 5, 5},
-        {KIT_RGB565, 1, 2}, /* 20 x 12, cut short: ES 2.0 can't filter it with mips */
+        {KIT_TABLE, 1, 1}, {KIT_FINE, 1, 1},   {KIT_SPHERES, 6, 6}, {KIT_PAPER, 6, 6},
+        {KIT_ETC1, 5, 5},  {KIT_RGB565, 1, 2}, /* 20 x 12, cut short: ES 2.0 can't filter it with mips */
     };
     for (int es = 2; es <= 3; es++)
         for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
@@ -269,8 +241,7 @@ static void texture_bytes_are_what_gl_got(void **state)
                 const nacre_gles_item item = add(&w, cases[i].model, normal);
                 assert_int_equal(nacre_gles_texture_bytes(w.gles), wanted);
                 assert_int_equal(fake_gl_texture_bytes(), wanted);
-                assert_int_equal(fake_gl_buffer_bytes(),
-                                 assets.ball.vertex_count * 24u + assets.ball.index_count * 2u);
+                assert_int_equal(fake_gl_buffer_bytes(), assets.ball.vertex_count * 24u + assets.ball.index_count * 2u);
                 nacre_gles_remove(w.gles, item);
                 assert_int_equal(nacre_gles_texture_bytes(w.gles), 0);
                 assert_int_equal(fake_gl_texture_bytes(), 0);
@@ -333,7 +304,8 @@ static void textures_are_shared(void **state)
     world w;
     open_world(&w, NULL, NULL);
     const nacre_gles_item a = add(&w, KIT_SPHERES, 1), b = add(&w, KIT_SPHERES, 0), c = add(&w, KIT_TABLE, 1);
-    const uint32_t spheres = texel_bytes(KIT_SPHERES, 6), table = texel_bytes(KIT_TABLE, 1), normal = texel_bytes(KIT_NORMAL, 4);
+    const uint32_t spheres = texel_bytes(KIT_SPHERES, 6), table = texel_bytes(KIT_TABLE, 1),
+                   normal = texel_bytes(KIT_NORMAL, 4);
     assert_int_equal(nacre_gles_texture_bytes(w.gles), spheres + table + normal);
     nacre_gles_remove(w.gles, a);
     assert_int_equal(nacre_gles_texture_bytes(w.gles), spheres + table + normal);
@@ -424,8 +396,8 @@ static void draw_refuses_bad_views(void **state)
     REFUSED((light.direction.x = light.direction.y = light.direction.z = 0));
     REFUSED(view.object_to_view.m[3] = 1);
     REFUSED(view.object_to_view.m[15] = 0);
-    REFUSED(memset(view.object_to_view.m, 0, 3 * sizeof(nacre_q16)));                          /* a column of zeros */
-    REFUSED(memcpy(view.object_to_view.m + 4, view.object_to_view.m, 3 * sizeof(nacre_q16)));  /* two alike */
+    REFUSED(memset(view.object_to_view.m, 0, 3 * sizeof(nacre_q16)));                         /* a column of zeros */
+    REFUSED(memcpy(view.object_to_view.m + 4, view.object_to_view.m, 3 * sizeof(nacre_q16))); /* two alike */
 #undef REFUSED
     assert_int_equal(fake_gl_calls(), calls);
     /* extreme scales are none of these */
@@ -508,11 +480,14 @@ static void hostile_state(int es)
     void (*gen_textures)(int, uint32_t *) = (void (*)(int, uint32_t *))(uintptr_t)fake_gl_proc(NULL, "glGenTextures");
     void (*gen_buffers)(int, uint32_t *) = (void (*)(int, uint32_t *))(uintptr_t)fake_gl_proc(NULL, "glGenBuffers");
     void (*active)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glActiveTexture");
-    void (*bind_texture)(unsigned, uint32_t) = (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindTexture");
-    void (*bind_buffer)(unsigned, uint32_t) = (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindBuffer");
+    void (*bind_texture)(unsigned, uint32_t) =
+        (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindTexture");
+    void (*bind_buffer)(unsigned, uint32_t) =
+        (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindBuffer");
     void (*store)(unsigned, int) = (void (*)(unsigned, int))(uintptr_t)fake_gl_proc(NULL, "glPixelStorei");
     void (*pointer)(unsigned, int, unsigned, uint8_t, int, const void *) =
-        (void (*)(unsigned, int, unsigned, uint8_t, int, const void *))(uintptr_t)fake_gl_proc(NULL, "glVertexAttribPointer");
+        (void (*)(unsigned, int, unsigned, uint8_t, int, const void *))(uintptr_t)fake_gl_proc(NULL,
+                                                                                               "glVertexAttribPointer");
     void (*enable_array)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glEnableVertexAttribArray");
     void (*enable)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glEnable");
     void (*viewport)(int, int, int, int) = (void (*)(int, int, int, int))(uintptr_t)fake_gl_proc(NULL, "glViewport");
@@ -795,10 +770,12 @@ static void print_figures(void **state)
             const long calls = fake_gl_calls(), queries = fake_gl_queries();
             nacre_gles_draw(w.gles, item, &view);
             print_message("ES %d, %-18s GL calls per draw of a table, one light: %ld, of them queries: %ld\n", es,
-                          resets ? "host_resets_state:" : "default:", fake_gl_calls() - calls, fake_gl_queries() - queries);
+                          resets ? "host_resets_state:" : "default:", fake_gl_calls() - calls,
+                          fake_gl_queries() - queries);
             close_world(&w);
         }
-    const nacre_gles_desc d = {.get_proc = proc_of_world}, one = {.get_proc = proc_of_world, .max_items = 1, .max_programs = 1, .max_textures = 1};
+    const nacre_gles_desc d = {.get_proc = fake_gl_proc},
+                          one = {.get_proc = fake_gl_proc, .max_items = 1, .max_programs = 1, .max_textures = 1};
     print_message("block: %zu bytes by default, %zu for one item, program and texture (pointers of %zu bytes)\n",
                   nacre_gles_size(&d), nacre_gles_size(&one), sizeof(void *));
 }

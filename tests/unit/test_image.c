@@ -154,10 +154,12 @@ static void texts_without_their_end(void **state)
     bytes file = {0};
     nacre_image image;
     bytes_append(&k.level[0], "x", 1);
-    k.key_count = 2;
+    k.key_count = 3;
     strcpy(k.key[0].name, "open");
     bytes_append(&k.key[0].value, "abc", 3);
     strcpy(k.key[1].name, "void");
+    strcpy(k.key[2].name, "more");
+    bytes_append(&k.key[2].value, "abc\0d", 5);
     ktx2_write(&k, &file);
     assert_int_equal(nacre_image_open(&image, file.data, file.size), NACRE_OK);
     uint32_t size = 7;
@@ -166,6 +168,7 @@ static void texts_without_their_end(void **state)
     assert_non_null(nacre_image_key(&image, "open", &size));
     assert_int_equal(size, 3);
     assert_false(asset_key_is(&image, "open", "abc"));
+    assert_false(asset_key_is(&image, "more", "abc"));
     assert_false(asset_key_is(&image, "void", ""));
     ktx2_free(&k);
     bytes_free(&file);
@@ -305,6 +308,90 @@ static void broken_keys(void **state)
     }
 }
 
+static nacre_result open_grey_with(const void *patch, size_t at, size_t size)
+{
+    bytes file = {0};
+    nacre_image image;
+    write_case(find_case("grey"), &file);
+    memcpy(file.data + at, patch, size);
+    const nacre_result result = nacre_image_open(&image, file.data, file.size);
+    bytes_free(&file);
+    return result;
+}
+
+/* Lengths that wrap to 0 when padded, before an entry that fills the rest; and a last name that never ends. */
+static void keys_that_look_well(void **state)
+{
+    (void)state;
+    static const uint8_t wraps[] = {0xFD, 0xFF, 0xFF, 0xFF, 72, 0, 0, 0}, fits[] = {72 + 4, 0, 0, 0, 72, 0, 0, 0};
+    static const char endless[] = "an endless name with it.";
+    assert_int_equal(open_grey_with(fits, 148, sizeof fits), NACRE_OK);
+    assert_int_equal(open_grey_with(wraps, 148, sizeof wraps), NACRE_ERR_ASSET);
+    assert_int_equal(open_grey_with(endless, 148 + 56, 24), NACRE_ERR_ASSET);
+}
+
+/* Files that are consistent but for one thing the profile forbids. */
+static void consistent_but_wrong(void **state)
+{
+    (void)state;
+    static const struct {
+        int width, height, faces, levels;
+        int result;
+    } rows[] = {
+        {2, 2, 6, 2, NACRE_OK},        {2, 1, 6, 1, NACRE_ERR_ASSET}, /* faces that are not square */
+        {1, 1, 1, 2, NACRE_ERR_ASSET}, {4, 2, 1, 4, NACRE_ERR_ASSET}, /* more levels than halvings */
+        {4, 2, 1, 3, NACRE_OK},        {1, 9, 1, 4, NACRE_OK},
+        {1, 9, 1, 5, NACRE_ERR_ASSET}, {1, 1, 2, 1, NACRE_ERR_ASSET},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        ktx2_image k = {.format = NACRE_FORMAT_R8,
+                        .width = rows[i].width,
+                        .height = rows[i].height,
+                        .faces = rows[i].faces,
+                        .levels = rows[i].levels};
+        bytes file = {0};
+        nacre_image image;
+        for (int level = 0; level < k.levels; level++) {
+            const int w = k.width >> level, h = k.height >> level;
+            for (int n = (w ? w : 1) * (h ? h : 1) * k.faces; n > 0; n--) bytes_append(&k.level[level], "", 1);
+        }
+        ktx2_write(&k, &file);
+        const nacre_result result = nacre_image_open(&image, file.data, file.size);
+        if ((int)result != rows[i].result)
+            fail_msg("%d x %d, %d faces, %d levels: %d, expected %d", k.width, k.height, k.faces, k.levels, result,
+                     rows[i].result);
+        ktx2_free(&k);
+        bytes_free(&file);
+    }
+}
+
+/* A descriptor of each size in a file of one level without keys; only multiples of 4 from 4 on can be one. */
+static void sizes_of_the_descriptor(void **state)
+{
+    (void)state;
+    for (uint32_t size = 0; size <= 60; size++) {
+        bytes file = {0};
+        nacre_image image;
+        write_case(find_case("grey"), &file);
+        bytes bare = {0};
+        bytes_append(&bare, file.data, 104);
+        while (bare.size < 104 + 64) bytes_append(&bare, "", 1);
+        const uint32_t level = (104 + size + 3) / 4 * 4;
+        put_u32(&bare, 20, 64 + 104 - level); /* one row of as many texels as are left */
+        put_u32(&bare, 88, 64 + 104 - level);
+        put_u32(&bare, 96, 64 + 104 - level);
+        put_u32(&bare, 52, size);
+        put_u32(&bare, 56, 0);
+        put_u32(&bare, 60, 0);
+        put_u32(&bare, 80, level);
+        put_u32(&bare, 104, size);
+        assert_int_equal(nacre_image_open(&image, bare.data, bare.size),
+                         size >= 4 && size % 4 == 0 ? NACRE_OK : NACRE_ERR_ASSET);
+        bytes_free(&file);
+        bytes_free(&bare);
+    }
+}
+
 /* KTX2 files of others have other keys, or none: kvdByteOffset is 0 then. */
 static void a_file_without_keys(void **state)
 {
@@ -384,6 +471,9 @@ int main(void)
         cmocka_unit_test(arguments),
         cmocka_unit_test(a_byte_behind_the_last_level),
         cmocka_unit_test(broken_keys),
+        cmocka_unit_test(keys_that_look_well),
+        cmocka_unit_test(consistent_but_wrong),
+        cmocka_unit_test(sizes_of_the_descriptor),
         cmocka_unit_test(a_file_without_keys),
         cmocka_unit_test(sizes_beyond_32_bits),
         cmocka_unit_test(texts_and_version),

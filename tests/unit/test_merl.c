@@ -441,6 +441,9 @@ static void unreadable(void **state)
     mkdir(path, 0700);
     refused(2, "no regular file");
     rmdir(path);
+    mkfifo(path, 0600);
+    refused(2, "no regular file");
+    unlink(path);
 }
 
 static void write_refuses_sizes(void **state)

@@ -764,6 +764,22 @@ static mesh make_grid(int columns, int rows, float uv_step)
     return m;
 }
 
+/* A centre halfway between two steps of q16 is rounded: the farther side must still be in range. */
+static void rounded_centres_keep_both_ends(void **state)
+{
+    (void)state;
+    mesh m = make_grid(2, 2, 1);
+    for (int i = 0; i < 4; i++) {
+        m.position[i][0] = i & 1 ? 65537 / 65536.0f : 0;
+        m.position[i][1] = i & 2 ? -65537 / 65536.0f : 0;
+    }
+    int count;
+    nacre_mesh *parts = pack(&m, &count);
+    assert_packed(&m, parts, count);
+    free(parts);
+    mesh_free(&m);
+}
+
 static void large_meshes_are_split(void **state)
 {
     (void)state;
@@ -989,6 +1005,7 @@ int main(void)
         cmocka_unit_test(gltf_with_a_buffer_beside),
         cmocka_unit_test(bad_files_are_one_line_each),
         cmocka_unit_test(packing_is_within_half_a_step),
+        cmocka_unit_test(rounded_centres_keep_both_ends),
         cmocka_unit_test(large_meshes_are_split),
         cmocka_unit_test(far_uv_are_wrapped),
         cmocka_unit_test(what_does_not_pack),

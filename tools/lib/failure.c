@@ -5,6 +5,13 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+/* File names and option values may hold control characters. */
+static void keep_one_line(char *text)
+{
+    for (; *text; text++)
+        if ((unsigned char)*text < 0x20 || *text == 0x7f) *text = '?';
+}
+
 int fail(failure *f, int code, const char *format, ...)
 {
     if (f) {
@@ -12,6 +19,7 @@ int fail(failure *f, int code, const char *format, ...)
         va_start(args, format);
         vsnprintf(f->text, sizeof f->text, format, args);
         va_end(args);
+        keep_one_line(f->text);
         f->code = code;
     }
     return code;

@@ -194,7 +194,7 @@ static int parse(brdf **out, const uint8_t *data, uint64_t size, const char *pat
 
 int merl_open(brdf **out, const char *path, failure *f)
 {
-    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not block before it is refused */
     struct stat status;
     if (fd < 0 || fstat(fd, &status)) {
         int reason = errno;

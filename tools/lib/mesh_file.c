@@ -20,8 +20,6 @@
 
 enum { MAX_CORNERS = 3 << 26, MAX_NODE_DEPTH = 256 };
 
-/* For the loader: enough for any mesh of MAX_CORNERS, and an end for those that claim more. */
-static const rlim_t memory_limit = (rlim_t)8 << 30;
 enum { TIME_LIMIT_SECONDS = 10 }; /* and as many as the file has MB */
 
 /* ---- vectors in double -------------------------------------------------------------------- */
@@ -294,7 +292,8 @@ static int transfer_arrays(int fd, mesh *m, int out)
 static _Noreturn void run_child(int fd, const char *name, unsigned seconds)
 {
 #ifndef __SANITIZE_ADDRESS__ /* reserves more address space than any limit */
-    const struct rlimit limit = {memory_limit, memory_limit};
+    /* Enough for any mesh of MAX_CORNERS, and an end for files that claim to hold more. */
+    const struct rlimit limit = {(rlim_t)8 << 30, (rlim_t)8 << 30};
     setrlimit(RLIMIT_AS, &limit);
 #endif
     int null = open("/dev/null", O_WRONLY);

@@ -111,7 +111,9 @@ static int spheres_eval_cosine(const brdf *b, const double to_light[3], const do
 {
     const spheres *s = (const spheres *)b;
     out[0] = out[1] = out[2] = 0;
-    if (!(to_light[2] > 0 && to_eye[2] > 0)) return 0;
+    if (!(to_eye[2] > 0)) return 0;
+    /* In paper mode the cosine lies in the images and is turned with them: some light passes the terminator. */
+    if (!(to_light[2] > 0) && s->mode != SPHERE_PAPER) return 0;
     double code[3];
     look_up(s, to_light, to_eye, code);
     for (int c = 0; c < 3; c++) {
@@ -125,6 +127,8 @@ static int spheres_eval_cosine(const brdf *b, const double to_light[3], const do
 
 static int spheres_eval(const brdf *b, const double to_light[3], const double to_eye[3], double f_r[3])
 {
+    f_r[0] = f_r[1] = f_r[2] = 0;
+    if (!(to_light[2] > 0)) return 0;
     int known = spheres_eval_cosine(b, to_light, to_eye, f_r);
     for (int c = 0; c < 3 && known; c++) f_r[c] /= to_light[2];
     return known;

@@ -9,7 +9,7 @@
 #define DISPLAY_STEPS 3
 #define SMOOTH        5e-5 /* both in parts of samples per ten texels */
 #define RIDGE         1e-3
-#define RIDGE_CLOSED  1e-8
+#define RIDGE_CLOSED  1e-7
 #define COEFFICIENT   0.5
 #define RANGES        7
 #define RANGE_STEP    1.3

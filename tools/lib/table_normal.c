@@ -8,7 +8,7 @@
 #include "table_parts.h"
 
 #define MAX_N         TABLE_MAX_UNKNOWNS
-#define CG_TOLERANCE  1e-6
+#define CG_TOLERANCE  1e-5
 #define CG_ITERATIONS 250
 
 table_problem table_problem_make(const table_model *m, const table_samples *s, const table_hold *hold)
