@@ -68,7 +68,7 @@ BUDGET := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/budget/test_*.c))
 SUPPORT := $(patsubst tests/%.c,$(O)/tests/%.o,$(wildcard tests/support/*.c))
 
 .PHONY: all lib tool demo test tests check-long lint shaders sizes bench install clean help deps-build deps-demo \
-        deps-test run-tests budget
+        deps-test deps-check-long run-tests sanitize-tests budget
 .DELETE_ON_ERROR:
 .SECONDARY:
 
@@ -184,7 +184,7 @@ budget: $(LIB)
 	@sh tests/budget/measure.sh $(BUILD) $(ARM_CC) $(LIB) >/dev/null
 
 ## check-long: what takes long: fuzzing, every byte value, big sweeps
-check-long: deps-test
+check-long: deps-check-long
 	@$(MAKE) --no-print-directory test
 	@sh tests/check_long.sh $(BUILD)
 
@@ -219,6 +219,8 @@ deps-demo:
 	@sh tools/deps.sh demo
 deps-test:
 	@sh tools/deps.sh test $(BUILD)
+deps-check-long:
+	@sh tools/deps.sh check-long $(BUILD)
 
 ## clean: remove build/ and out/
 clean:

@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# deps.sh demo|test [BUILD]: install what drawing (demo) or the tests need and this machine lacks. With everything
+# deps.sh demo|test|check-long [BUILD]: install what drawing (demo), the tests or the long checks need and this machine
+# lacks. With everything
 # present nothing is contacted. Probes look for the thing itself, so other systems than Debian pass too.
 set -u
 what=$1
@@ -47,6 +48,8 @@ probe() {
     command_in cppcheck cppcheck
     command_in gcc-arm-none-eabi arm-none-eabi-gcc
     file_in libnewlib-arm-none-eabi /usr/lib/arm-none-eabi/include/string.h /usr/arm-none-eabi/include/string.h
+    [ "$what" = test ] && return
+    file_in libclang-rt-14-dev /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a
 }
 
 # OSMesa left Mesa with 25.1: where no package has it, the tests run on EGL alone and say so.

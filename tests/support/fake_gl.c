@@ -56,7 +56,8 @@ static struct fake {
     /* state */
     gl_uint program, framebuffer, read_framebuffer, renderbuffer, array_buffer, unpack_buffer, vertex_array;
     gl_uint active, texture[UNITS], sampler[UNITS];
-    array_state array[VAOS];
+    array_state array[VAOS]; /* [0] is vertex array 0 */
+    gl_uint array_name[VAOS];
     gl_int alignment, row_length, skip_rows, skip_pixels, viewport[4], depth_func, depth_mask, color_mask[4];
     gl_float clear_color[4], clear_depth;
     uint8_t enabled[8];
@@ -207,9 +208,17 @@ static int may_bind(kind k, gl_uint name)
     return 0;
 }
 
+static void fresh_array(array_state *a)
+{
+    memset(a, 0, sizeof *a);
+    for (int i = 0; i < 8; i++) a->attribute[i].size = 4, a->attribute[i].type = GLES_FLOAT;
+}
+
 static array_state *array_now(void)
 {
-    return &f.array[f.vertex_array % VAOS];
+    for (int i = 0; i < VAOS; i++)
+        if (f.array_name[i] == f.vertex_array) return &f.array[i];
+    return &f.array[0];
 }
 
 static gl_uint *buffer_binding(gl_enum target)
@@ -804,13 +813,21 @@ static void on_GetVertexAttribPointerv(gl_uint index, gl_enum name, void **out)
 static void on_GenVertexArrays(gl_sizei n, gl_uint *names)
 {
     gen(VERTEX_ARRAY, n, names);
+    for (gl_sizei k = 0; k < n; k++)
+        for (int i = 1; i < VAOS; i++) {
+            if (f.array_name[i]) continue;
+            f.array_name[i] = names[k];
+            fresh_array(&f.array[i]);
+            break;
+        }
 }
 
 static void on_DeleteVertexArrays(gl_sizei n, const gl_uint *names)
 {
     for (gl_sizei i = 0; i < n; i++) {
         if (deletes(VERTEX_ARRAY, names[i]) && f.vertex_array == names[i]) f.vertex_array = 0;
-        memset(&f.array[names[i] % VAOS], 0, sizeof *f.array);
+        for (int k = 1; k < VAOS; k++)
+            if (f.array_name[k] == names[i]) f.array_name[k] = 0;
     }
 }
 
@@ -982,9 +999,8 @@ void fake_gl_new_context(void)
     memset(f.objects, 0, sizeof f.objects);
     memset(f.texture, 0, sizeof f.texture);
     memset(f.sampler, 0, sizeof f.sampler);
-    memset(f.array, 0, sizeof f.array);
-    for (int v = 0; v < VAOS; v++)
-        for (int i = 0; i < 8; i++) f.array[v].attribute[i].size = 4, f.array[v].attribute[i].type = GLES_FLOAT;
+    memset(f.array_name, 0, sizeof f.array_name);
+    fresh_array(&f.array[0]);
     memset(f.enabled, 0, sizeof f.enabled);
     f.enabled[3] = 1; /* dither */
     f.program = f.framebuffer = f.read_framebuffer = f.renderbuffer = f.array_buffer = f.unpack_buffer =

@@ -214,9 +214,9 @@ nacre_view kit_view(int lights, int points, int perspective)
     nacre_view view;
     memset(&view, 0, sizeof view);
     memset(light, 0, sizeof light);
-    for (int i = 0; i < lights; i++) {
+    for (int i = 0; i < NACRE_MAX_LIGHTS; i++) {
         const double a = 0.8 * i, polar = 0.3 + 0.12 * i;
-        light[i].type = i >= lights - points ? NACRE_LIGHT_POINT : NACRE_LIGHT_DIRECTIONAL;
+        light[i].type = i >= lights - points && i < lights ? NACRE_LIGHT_POINT : NACRE_LIGHT_DIRECTIONAL;
         light[i].direction =
             nacre_dir_from_float((float)(sin(polar) * cos(a)), (float)(sin(polar) * sin(a)), (float)cos(polar));
         for (int k = 0; k < 3; k++)

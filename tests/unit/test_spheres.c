@@ -518,7 +518,7 @@ static void keys_are_checked(void **state)
     } cases[] = {
         {NACRE_KEY_ROLE, "table", 0, {0}, "nacre.role"},
         {NACRE_KEY_TRANSFER, "srgb", 0, {0}, "nacre.transfer"},
-        {NACRE_KEY_LIGHT_POLAR, NULL, 1, {0}, "nacre.light_polar"},
+        {NACRE_KEY_LIGHT_POLAR, NULL, 1, {0}, NACRE_KEY_LIGHT_POLAR},
         {NACRE_KEY_LIGHT_POLAR, NULL, 2, {100, 100}, "rising"},
         {NACRE_KEY_LIGHT_POLAR, NULL, 2, {0, 32768}, "32768"},
         {NACRE_KEY_COSINE, NULL, 1, {2}, "nacre.cosine"},
@@ -527,7 +527,7 @@ static void keys_are_checked(void **state)
         {NACRE_KEY_SCALE, NULL, 3, {1, 1, 0x80000000u}, "nacre.scale"},
         {NACRE_KEY_DISC, NULL, 1, {32767}, "nacre.disc"},
         {NACRE_KEY_DISC, NULL, 1, {65537}, "nacre.disc"},
-        {NACRE_KEY_ALBEDO, NULL, 1, {0}, "nacre.albedo"},
+        {NACRE_KEY_ALBEDO, NULL, 1, {0}, NACRE_KEY_ALBEDO},
     };
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         ktx2_image image = {

@@ -21,8 +21,6 @@
  * which the pair is still above the horizon (extend()).
  */
 
-enum { SAMPLES = 3 }; /* a side, of a texel */
-
 static const double pi = 3.14159265358979323846;
 
 /* Smallest n.v: closer to the rim, its value is repeated. Smallest n.l of an extended value: closer to the horizon many
@@ -114,6 +112,7 @@ typedef struct render_job {
     const brdf *b;
     const sphere_asset *asset;
     double exposure;
+    int samples; /* a side, of a texel */
 } render_job;
 
 /* Give entries of a square grid without data the mean of their neighbours that have some, ring by ring. */
@@ -154,12 +153,12 @@ static void image_point(const sphere_asset *a, double i, double j, double point[
     point[1] = (a->size / 2.0 - j) * scale;
 }
 
-/* The layer's linear values on a grid of samples x samples points a texel (cosine-free: pi f_r everywhere; paper: pi E f_r
+/* The layer's linear values on a grid of job->samples x job->samples points a texel (cosine-free: pi f_r everywhere; paper: pi E f_r
    n.l, 0 outside the disc). */
-static void render_layer(const render_job *job, int layer, int samples, float *rgb)
+static void render_layer(const render_job *job, int layer, float *rgb)
 {
     const sphere_asset *a = job->asset;
-    int side = a->size * samples;
+    int samples = job->samples, side = a->size * samples;
     layer_geometry g = geometry_of(a->polar[layer]);
     uint8_t *known = need_memory((size_t)side, (size_t)side);
 #pragma omp parallel for schedule(dynamic, 8)
@@ -286,32 +285,35 @@ static float encode_value(const sphere_asset *a, double linear, int channel)
 }
 
 /* Part of each texel inside the disc. */
-static void cover(const sphere_asset *a, float *coverage)
+static void cover(const render_job *job, float *coverage)
 {
+    const sphere_asset *a = job->asset;
+    int samples = job->samples;
     for (int i = 0; i < a->size * a->size; i++) {
         int inside = 0;
-        for (int s = 0; s < SAMPLES * SAMPLES; s++) {
+        for (int s = 0; s < samples * samples; s++) {
             double point[2];
-            image_point(a, i % a->size + (s % SAMPLES + 0.5) / SAMPLES, i / a->size + (s / SAMPLES + 0.5) / SAMPLES,
+            image_point(a, i % a->size + (s % samples + 0.5) / samples, i / a->size + (s / samples + 0.5) / samples,
                         point);
             inside += point[0] * point[0] + point[1] * point[1] < 1;
         }
-        coverage[i] = (float)inside / (SAMPLES * SAMPLES);
+        coverage[i] = (float)inside / (float)(samples * samples);
     }
 }
 
 /* Texels from samples: the mean of the linear values, clamped to what a code can say; of those inside the disc, where
    there are any. */
-static void average(const sphere_asset *a, const float *sample, float *rgb)
+static void average(const render_job *job, const float *sample, float *rgb)
 {
-    int size = a->size, side = size * SAMPLES;
+    const sphere_asset *a = job->asset;
+    int samples = job->samples, size = a->size, side = size * samples;
     for (int i = 0; i < size * size; i++) {
         double sum[2][3] = {{0}}, most;
         int count[2] = {0, 0};
-        for (int s = 0; s < SAMPLES * SAMPLES; s++) {
-            int x = i % size * SAMPLES + s % SAMPLES, y = i / size * SAMPLES + s / SAMPLES;
+        for (int s = 0; s < samples * samples; s++) {
+            int x = i % size * samples + s % samples, y = i / size * samples + s / samples;
             double point[2];
-            image_point(a, (x + 0.5) / SAMPLES, (y + 0.5) / SAMPLES, point);
+            image_point(a, (x + 0.5) / samples, (y + 0.5) / samples, point);
             int inside = point[0] * point[0] + point[1] * point[1] < 1;
             count[inside]++;
             for (int c = 0; c < 3; c++) {
@@ -341,21 +343,21 @@ static void fit_codes(const render_job *job, int layer, const float *sample, flo
 {
     const sphere_asset *a = job->asset;
     layer_geometry g = geometry_of(a->polar[layer]);
-    int side = a->size * SAMPLES;
+    int samples = job->samples, side = a->size * samples;
     size_t count = (size_t)side * (size_t)side;
 #pragma omp parallel for schedule(static, 1)
     for (int c = 0; c < 3; c++) {
         float *target = need_memory(count, sizeof *target), *weight = need_memory(count, sizeof *weight);
         for (size_t i = 0; i < count; i++) {
             double point[2], n_dot_l = 0;
-            image_point(a, ((double)(i % (size_t)side) + 0.5) / SAMPLES, ((double)(i / (size_t)side) + 0.5) / SAMPLES,
+            image_point(a, ((double)(i % (size_t)side) + 0.5) / samples, ((double)(i / (size_t)side) + 0.5) / samples,
                         point);
             double z2 = 1 - point[0] * point[0] - point[1] * point[1];
             if (z2 > 0) n_dot_l = point[0] * g.light[0] + sqrt(z2) * g.light[2];
             target[i] = encode_value(a, (double)sample[3 * i + (size_t)c], c);
             weight[i] = (float)error_weight(a->scale[c] * job->exposure * fmax(n_dot_l, 0), (double)target[i]);
         }
-        sphere_fit(code + c, 3, target, weight, a->size, SAMPLES,
+        sphere_fit(code + c, 3, target, weight, a->size, samples,
                    a->format == NACRE_FORMAT_RGB565 ? code_levels(a->format, c) : 0);
         free(weight);
         free(target);
@@ -440,19 +442,20 @@ int sphere_bake(sphere_asset *out, const brdf *b, const sphere_options *options,
     apply_options(&a, o);
     snprintf(a.name, sizeof a.name, "%s", b->name);
     brdf_albedo(b, a.albedo);
-    render_job job = {b, &a, brdf_exposure(b)};
+    /* the paper's 512 texels a side are fine enough for four samples each */
+    render_job job = {b, &a, brdf_exposure(b), a.mode == SPHERE_PAPER ? 2 : 2};
 
     double scale[3] = {job.exposure, job.exposure, job.exposure};
     if (a.mode == SPHERE_COSINE_FREE) choose_scales(&job, scale);
     for (int c = 0; c < 3; c++) a.scale[c] = stored_q16(scale[c]);
     make_levels(&a);
     size_t texels = (size_t)a.size * (size_t)a.size;
-    float *sample = need_memory(texels * SAMPLES * SAMPLES, 3 * sizeof *sample);
+    float *sample = need_memory(texels * (size_t)(job.samples * job.samples), 3 * sizeof *sample);
     float *rgb = need_memory(texels, 3 * sizeof *rgb), *coverage = need_memory(texels, sizeof *coverage);
     for (int i = 0; i < a.layers; i++) {
-        render_layer(&job, i, SAMPLES, sample);
-        average(&a, sample, rgb);
-        cover(&a, coverage);
+        render_layer(&job, i, sample);
+        average(&job, sample, rgb);
+        cover(&job, coverage);
         encode_layer(&job, &a, i, sample, rgb, coverage);
     }
     free(coverage);
