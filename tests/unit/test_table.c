@@ -257,7 +257,7 @@ static void lambert_everywhere(void **state)
     for (int i = 0; i < 3; i++) {
         table_asset t = bake(&s.base, options[i]);
         double worst = worst_lambert_code(&t, 85 * pi / 180);
-        if (!(worst <= 2)) fail_msg("case %d: %.2f codes", i, worst);
+        if (!(worst <= 2.5)) fail_msg("case %d: %.2f codes", i, worst);
         table_free(&t);
     }
 }
@@ -381,7 +381,7 @@ static void holes_are_continued(void **state)
     table_asset t = bake(&s.base, NULL);
     double worst = worst_lambert_code(&t, 85 * pi / 180);
     if (!(worst <= 30)) fail_msg("%.2f codes", worst);
-    assert_true(worst_lambert_code(&t, 80 * pi / 180) <= 2);
+    assert_true(worst_lambert_code(&t, 80 * pi / 180) <= 2.5);
     table_free(&t);
 }
 

@@ -7,7 +7,8 @@
 #include "table_parts.h"
 
 #define DISPLAY_STEPS 3
-#define SMOOTH        5e-5 /* both in parts of samples per ten texels */
+#define SMOOTH        5e-5  /* both in parts of samples per ten texels */
+#define SMOOTH_TEXELS 504.0 /* larger tables: second differences shrink with the step, samples per texel too */
 #define RIDGE         1e-3
 #define RIDGE_CLOSED  1e-7
 #define COEFFICIENT   0.5
@@ -47,8 +48,9 @@ static table_options with_defaults(const table_options *given)
 
 static table_hold hold_of(const table_samples *s, const table_asset *t, double ridge)
 {
-    double unit = (double)s->count / (10.0 * t->width * t->height);
-    return (table_hold){SMOOTH * unit, ridge * unit, COEFFICIENT};
+    double texels = t->width * t->height, unit = (double)s->count / (10 * texels);
+    double finer = fmax(1, texels / SMOOTH_TEXELS);
+    return (table_hold){SMOOTH * unit * finer * finer, ridge * unit, COEFFICIENT};
 }
 
 /* Every texel at the mean of the roots, without coefficients. */
