@@ -94,7 +94,7 @@ static int add_rows(bench *b, failure *f)
     for (int model = 0; model < 3; model++) {
         nacre_material material = {.model = model == 2 ? NACRE_MODEL_SPHERES : NACRE_MODEL_TABLE};
         material.image[model == 2 ? NACRE_ROLE_SPHERES : NACRE_ROLE_TABLE] = &b->image[model];
-        nacre_gles_item item[16];
+        nacre_gles_item item[16] = {{0}};
         for (int p = 0; p < b->part_count; p++) {
             nacre_result r = nacre_gles_add(b->gles, &b->parts[p], &material, &item[p]);
             if (r) return fail(f, FAIL_UNSUPPORTED, "%s: %s", names[model], nacre_result_text(r));

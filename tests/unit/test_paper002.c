@@ -33,14 +33,15 @@ enum { SLOW_BUILD = 1 }; /* sanitizers: one material is enough to see errors; fi
 enum { SLOW_BUILD = 0 };
 #endif
 
-/* Paint, fabric, plastic, phenolic, metallic paint, metal, rubber, wood, stone. */
-static const char *const some[] = {
-    "sgd:yellow-plastic",      "sgd:red-specular-plastic", "sgd:alum-bronze",
-    "sgd:orange-paint",        "sgd:red-fabric",           "sgd:specular-violet-phenolic",
-    "sgd:gold-metallic-paint", "sgd:chrome",               "sgd:neoprene-rubber",
-    "sgd:cherry-235",          "sgd:black-obsidian",       "ngan-cook-torrance:blue-acrylic",
-    "ngan-cook-torrance:nickel", "ngan-lafortune:pink-felt", "ngan-lafortune:brass",
-    "lafortune:blue-house-paint"};
+/* Plastic, metallic paint; metal, paint, wood, acrylic, rubber, felt. */
+static const char *const some[] = {"sgd:yellow-plastic",
+                                   "sgd:gold-metallic-paint",
+                                   "ngan-cook-torrance:nickel",
+                                   "ngan-cook-torrance:orange-paint",
+                                   "ngan-cook-torrance:cherry-235",
+                                   "ngan-cook-torrance:blue-acrylic",
+                                   "ngan-lafortune:neoprene-rubber",
+                                   "ngan-lafortune:pink-felt"};
 
 typedef struct tally {
     double sum, least;
@@ -73,15 +74,37 @@ static void bake(sphere_asset *s, const brdf *b, const sphere_options *o)
     if (sphere_bake(s, b, o, &f)) fail_msg("%s: %s", b->name, f.text);
 }
 
-static double pooled(const brdf *truth, brdf *drawn)
+/* The truth's frames, drawn once a material: metric_compare would draw them for each of the columns. */
+typedef struct truth {
+    const brdf *b;
+    double exposure;
+    image_u8 frame[METRIC_FRAMES];
+} truth;
+
+static void draw_truth(truth *t, const brdf *b)
 {
-    metric_result result;
-    metric_compare(truth, drawn, 0, &result);
-    brdf_close(drawn);
-    return result.pooled_psnr_db;
+    t->b = b;
+    t->exposure = brdf_exposure(b);
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < METRIC_FRAMES; i++) metric_frame(b, 5.0 * i, t->exposure, METRIC_SIZE, &t->frame[i]);
 }
 
-static double spheres_db(const brdf *b, sphere_mode mode, int images, int size)
+static double pooled(const truth *t, brdf *drawn)
+{
+    double mse[METRIC_FRAMES], sum = 0;
+#pragma omp parallel for schedule(dynamic)
+    for (int i = 0; i < METRIC_FRAMES; i++) {
+        image_u8 frame;
+        metric_frame(drawn, 5.0 * i, t->exposure, METRIC_SIZE, &frame);
+        mse[i] = metric_mse(&t->frame[i], &frame);
+        image_u8_free(&frame);
+    }
+    for (int i = 0; i < METRIC_FRAMES; i++) sum += mse[i];
+    brdf_close(drawn);
+    return metric_psnr(sum / METRIC_FRAMES);
+}
+
+static double spheres_db(const truth *t, sphere_mode mode, int images, int size)
 {
     sphere_options o = {.mode = mode, .size = size, .no_mips = 1};
     if (images == 6) {
@@ -89,18 +112,18 @@ static double spheres_db(const brdf *b, sphere_mode mode, int images, int size)
         for (int i = 0; i < 6; i++) o.polar[i] = 30 * i;
     }
     sphere_asset s;
-    bake(&s, b, &o);
-    double db = pooled(b, sphere_brdf(&s, NULL));
+    bake(&s, t->b, &o);
+    double db = pooled(t, sphere_brdf(&s, NULL));
     sphere_free(&s);
     return db;
 }
 
-static double table_db(const brdf *b)
+static double table_db(const truth *from)
 {
     table_asset t;
     failure f = {0};
-    if (table_bake(&t, b, NULL, &f)) fail_msg("%s: %s", b->name, f.text);
-    double db = pooled(b, table_brdf(&t));
+    if (table_bake(&t, from->b, NULL, &f)) fail_msg("%s: %s", from->b->name, f.text);
+    double db = pooled(from, table_brdf(&t));
     table_free(&t);
     return db;
 }
@@ -117,38 +140,57 @@ static void figures(void **state)
     tally t[COLUMNS] = {{0}};
     if (getenv("NACRE_LONG")) names = brdf_names(&count);
     if (SLOW_BUILD) count = 1;
-    print_message("%-34s", "pooled PSNR, dB");
+    print_message("%-44s", "pooled PSNR, dB");
     for (int k = 0; k < COLUMNS; k++) print_message("%12s", titles[k]);
     for (size_t i = 0; i < count; i++) {
         brdf *b = open_name(names[i]);
+        truth from;
+        draw_truth(&from, b);
         int big = SLOW_BUILD ? 64 : 512, middle = SLOW_BUILD ? 64 : 256, small = SLOW_BUILD ? 32 : 128;
-        const double db[COLUMNS] = {spheres_db(b, SPHERE_PAPER, 4, big),
-                                    spheres_db(b, SPHERE_PAPER, 6, big),
-                                    spheres_db(b, SPHERE_PAPER, 4, small),
-                                    spheres_db(b, SPHERE_PAPER, 6, small),
-                                    spheres_db(b, SPHERE_COSINE_FREE, 4, middle),
-                                    spheres_db(b, SPHERE_COSINE_FREE, 6, middle),
-                                    table_db(b)};
+        const double db[COLUMNS] = {spheres_db(&from, SPHERE_PAPER, 4, big),
+                                    spheres_db(&from, SPHERE_PAPER, 6, big),
+                                    spheres_db(&from, SPHERE_PAPER, 4, small),
+                                    spheres_db(&from, SPHERE_PAPER, 6, small),
+                                    spheres_db(&from, SPHERE_COSINE_FREE, 4, middle),
+                                    spheres_db(&from, SPHERE_COSINE_FREE, 6, middle),
+                                    table_db(&from)};
+        for (int k = 0; k < METRIC_FRAMES; k++) image_u8_free(&from.frame[k]);
         brdf_close(b);
-        print_message("\n%-34s", names[i]);
+        print_message("\n%-44s", names[i]);
         for (int k = 0; k < COLUMNS; k++) {
             print_message("%12.2f", db[k]);
             add(&t[k], db[k]);
         }
     }
-    print_message("\n%-34s", "mean");
+    print_message("\n%-44s", "mean");
     for (int k = 0; k < COLUMNS; k++) print_message("%12.2f", mean(&t[k]));
-    print_message("\n%-34s", "least");
+    print_message("\n%-44s", "least");
     for (int k = 0; k < COLUMNS; k++) print_message("%12.2f", t[k].least);
     print_message("\n");
     if (SLOW_BUILD) return;
+
+    /* Published on 40 measured tables, mean / least: 4 images 32.4 / 28.0, 6 images 36.1 / 31.4. Fits are smoother than
+       measurements and so somewhat nearer, never further: those figures are the lower bounds, and 8 dB above them would
+       mean that something else is compared. Two more images gain 3.7 dB there. */
+    assert_true(mean(&t[PAPER4]) >= 32.4 && mean(&t[PAPER4]) <= 40.4 && t[PAPER4].least >= 28.0);
+    assert_true(mean(&t[PAPER6]) >= 36.1 && mean(&t[PAPER6]) <= 44.1 && t[PAPER6].least >= 31.4);
+    assert_true(mean(&t[PAPER6]) - mean(&t[PAPER4]) >= 1.5);
+    /* the method's error, not the texels': a quarter of the resolution costs little */
+    assert_true(fabs(mean(&t[PAPER4]) - mean(&t[PAPER4_SMALL])) < 1);
+    assert_true(fabs(mean(&t[PAPER6]) - mean(&t[PAPER6_SMALL])) < 1.5);
+    /* without the cosine in the images the blend is exact for diffuse reflection; with the fourth image at 135 degrees the
+       rest up to 180 hides that */
+    assert_true(mean(&t[FREE6]) >= mean(&t[PAPER6]) + 2);
+    assert_true(mean(&t[FREE4]) >= mean(&t[PAPER4]));
+    /* the table's least over 40 measured materials is 44.25 */
+    assert_true(mean(&t[TABLE]) >= mean(&t[FREE6]));
 }
 
 /* 51 dB at the stored angles for every embedded material; by default for those known as hardest. */
 static void stored_angles(void **state)
 {
     (void)state;
-    static const char *const hardest[] = {"ngan-cook-torrance:hematite", "ngan-lafortune:steel", "lafortune:felt"};
+    static const char *const hardest[] = {"ngan-cook-torrance:hematite", "ngan-lafortune:hematite", "lafortune:felt"};
     size_t count = sizeof hardest / sizeof *hardest;
     const char *const *names = hardest;
     tally t = {0};
@@ -162,11 +204,11 @@ static void stored_angles(void **state)
         brdf *d = sphere_brdf(&s, NULL);
         double exposure = brdf_exposure(b), sum = 0;
         for (int k = 0; k < s.layers; k++) {
-            image_u8 truth, drawn;
-            metric_frame(b, s.polar[k], exposure, METRIC_SIZE, &truth);
+            image_u8 exact, drawn;
+            metric_frame(b, s.polar[k], exposure, METRIC_SIZE, &exact);
             metric_frame(d, s.polar[k], exposure, METRIC_SIZE, &drawn);
-            sum += metric_mse(&truth, &drawn);
-            image_u8_free(&truth);
+            sum += metric_mse(&exact, &drawn);
+            image_u8_free(&exact);
             image_u8_free(&drawn);
         }
         double db = metric_psnr(sum / s.layers);

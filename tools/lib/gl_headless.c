@@ -162,8 +162,13 @@ static int osmesa_open(gl_headless *gl, failure *f)
 
 static any_function real_proc(const gl_headless *gl, const char *name)
 {
-    if (gl->backend == GL_BACKEND_OSMESA) return osmesa.get_proc(name);
-    return (any_function)egl.get_proc(name);
+    any_function found;
+
+    if (gl->backend == GL_BACKEND_OSMESA)
+        found = osmesa.get_proc(name);
+    else
+        found = (any_function)egl.get_proc(name);
+    return found;
 }
 
 static const char *real_string(const gl_headless *gl, unsigned name)

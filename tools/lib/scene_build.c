@@ -185,6 +185,25 @@ static extent measure(const scene *s, const double to_view[16], double tan_x, do
     return e;
 }
 
+/* Move the mesh across so that its outline, seen from so far, lies evenly about the axis. */
+static void middle_to_axis(scene *s, double distance)
+{
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    int i, k;
+
+    for (i = 0; i < s->shape->vertex_count; i++) {
+        const float *p = s->shape->position[i];
+        double v[4] = {p[0], p[1], p[2], 1}, q[4], depth;
+        matrix_apply(q, s->object_to_view, v);
+        depth = isfinite(distance) ? (distance - q[2]) / distance : 1;
+        for (k = 0; k < 2; k++) {
+            low[k] = fmin(low[k], q[k] / depth);
+            high[k] = fmax(high[k], q[k] / depth);
+        }
+    }
+    for (k = 0; k < 2; k++) s->object_to_view[12 + k] -= (low[k] + high[k]) / 2;
+}
+
 static void perspective(double m[16], double tan_x, double tan_y, double near, double far)
 {
     memset(m, 0, 16 * sizeof *m);
@@ -255,6 +274,11 @@ int scene_aim(scene *s, const scene_camera *camera, failure *f)
     place(view, axes, centre, 0);
     matrix_multiply(s->object_to_view, view, turned);
     e = measure(s, s->object_to_view, tan_x * (1 - 2 * margin), tan_y * (1 - 2 * margin));
+    /* What is seen lies about the middle of its own outline, not of the object's bounds; the near side looks larger. */
+    for (i = 0; i < 8 && !s->exact_sphere; i++) {
+        middle_to_axis(s, camera->kind == SCENE_CAMERA_ORTHO ? HUGE_VAL : e.distance);
+        e = measure(s, s->object_to_view, tan_x * (1 - 2 * margin), tan_y * (1 - 2 * margin));
+    }
     if (camera->kind == SCENE_CAMERA_ORTHO) {
         s->object_to_view[14] -= 2 * radius;
         aim_ortho(s, &e, s->exact_sphere ? camera->margin : margin, radius);

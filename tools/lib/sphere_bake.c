@@ -28,6 +28,9 @@ static const double pi = 3.14159265358979323846;
 static const double rim_cosine = 0.01;
 static const double extension_cosine = 0.02;
 
+/* Largest pi E f_r a code can say: 6 stops above white. Beyond, peaks cost more in rings around them than they show. */
+static const double most_display = 64;
+
 /* Of errors two stops below the metric's exposure, beside those at it. */
 static const double stops_weight = 0.25;
 
@@ -203,21 +206,21 @@ static double display(const float table[DISPLAY_STEPS + 1], double linear)
 }
 
 typedef struct lit_sample {
-    float root, cosine; /* (pi f_r)^1/4, n.l */
+    float root, light; /* (pi f_r)^1/4, E n.l */
+    float exact[2];    /* displayed: at E, and two stops below */
 } lit_sample;
 
 /* Squared error of the displayed samples when codes of so many levels span 0..scale: at the metric's exposure, and, with
    less weight, two stops below it, where more of the highlights' range shows. */
-static double scale_cost(const lit_sample *sample, size_t count, double exposure, double scale, int levels,
+static double scale_cost(const lit_sample *sample, size_t count, double scale, int levels,
                          const float table[DISPLAY_STEPS + 1])
 {
     double sum = 0, to_code = levels / sqrt(sqrt(scale));
     for (size_t i = 0; i < count; i++) {
-        double root = (double)sample[i].root, light = exposure * (double)sample[i].cosine;
-        double code = fmin(floor(root * to_code + 0.5), levels) / to_code;
-        double exact = light * root * root * root * root, coded = light * code * code * code * code;
-        double d = display(table, exact) - display(table, coded);
-        double d2 = display(table, exact / 4) - display(table, coded / 4);
+        double code = fmin(floor((double)sample[i].root * to_code + 0.5), levels) / to_code;
+        double coded = (double)sample[i].light * code * code * code * code;
+        double d = (double)sample[i].exact[0] - display(table, coded);
+        double d2 = (double)sample[i].exact[1] - display(table, coded / 4);
         sum += d * d + stops_weight * d2 * d2;
     }
     return sum;
@@ -225,17 +228,22 @@ static double scale_cost(const lit_sample *sample, size_t count, double exposure
 
 /* Scale of one channel: of the values from the largest f_r down, the one with the least cost. A large scale keeps peaks
    that only a dark exposure would show, a small one gives finer steps to everything else. */
-static double best_scale(const lit_sample *sample, size_t count, double exposure, int levels)
+static double best_scale(lit_sample *sample, size_t count, double exposure, int levels)
 {
     float table[DISPLAY_STEPS + 1], most = 0;
     display_table(table);
-    for (size_t i = 0; i < count; i++) most = sample[i].root > most ? sample[i].root : most;
-    double best = 0, best_cost = INFINITY;
-    for (int step = 0; step < 160; step++) {
-        double root = (double)most, scale = root * root * root * root * exp2(-step / 16.0);
+    for (size_t i = 0; i < count; i++) {
+        double root = (double)sample[i].root, linear = (double)sample[i].light * root * root * root * root;
+        sample[i].exact[0] = (float)display(table, linear);
+        sample[i].exact[1] = (float)display(table, linear / 4);
+        most = fmaxf(most, sample[i].root);
+    }
+    double root = (double)most, top = fmin(root * root * root * root, most_display / exposure);
+    double best = top, best_cost = INFINITY;
+    for (int step = 0; step < 128; step++) {
+        double scale = top * exp2(-step / 16.0);
         if (step && scale * exposure < 0.5) break;
-        double cost = scale_cost(sample, count, exposure, scale, levels, table);
-        if (cost > 8 * best_cost) break; /* deep in clamped highlights: only worse from here */
+        double cost = scale_cost(sample, count, scale, levels, table);
         if (cost >= best_cost) continue;
         best_cost = cost;
         best = scale;
@@ -246,7 +254,7 @@ static double best_scale(const lit_sample *sample, size_t count, double exposure
 /* Scales of the cosine-free mode, from a coarse grid of lit points of every layer. */
 static void choose_scales(const render_job *job, double scale[3])
 {
-    static const int side = 120;
+    static const int side = 112;
     const sphere_asset *a = job->asset;
     size_t most = (size_t)(side * side) * (size_t)a->layers, count = 0;
     lit_sample *sample[3];
@@ -259,7 +267,10 @@ static void choose_scales(const render_job *job, double scale[3])
             if (z2 <= 0) continue;
             double n_dot_l = x * g.light[0] + sqrt(z2) * g.light[2];
             if (n_dot_l <= 0 || !cosine_free_at(job->b, &g, x, y, value)) continue;
-            for (int c = 0; c < 3; c++) sample[c][count] = (lit_sample){(float)sqrt(sqrt(value[c])), (float)n_dot_l};
+            for (int c = 0; c < 3; c++) {
+                sample[c][count].root = (float)sqrt(sqrt(value[c]));
+                sample[c][count].light = (float)(job->exposure * n_dot_l);
+            }
             count++;
         }
     }
@@ -443,7 +454,7 @@ int sphere_bake(sphere_asset *out, const brdf *b, const sphere_options *options,
     snprintf(a.name, sizeof a.name, "%s", b->name);
     brdf_albedo(b, a.albedo);
     /* the paper's 512 texels a side are fine enough for four samples each */
-    render_job job = {b, &a, brdf_exposure(b), a.mode == SPHERE_PAPER ? 2 : 2};
+    render_job job = {b, &a, brdf_exposure(b), a.mode == SPHERE_PAPER ? 2 : 3};
 
     double scale[3] = {job.exposure, job.exposure, job.exposure};
     if (a.mode == SPHERE_COSINE_FREE) choose_scales(&job, scale);

@@ -46,8 +46,8 @@ void sphere_free(sphere_asset *s);
    A normal turned past the rim (z' < 0) stays at the rim. In paper mode only eval_cosine is exact. Takes a copy.
    Variants of the paper's figure 4: */
 typedef struct sphere_decode_options { /* zero means default */
-    double k;        /* fixed rotation coefficient for all angles; 0: as above. Negative turns the wrong way */
-    double shrink;   /* 0: 1 cosine-free, 0.995 paper mode; 1: none (rim artefact, fig. 4 d) */
+    double k;      /* fixed rotation coefficient for all angles; 0: as above. Negative turns the wrong way */
+    double shrink; /* 0: 1 cosine-free, 0.995 paper mode; 1: none (rim artefact, fig. 4 d) */
 } sphere_decode_options;
 brdf *sphere_brdf(const sphere_asset *s, const sphere_decode_options *options);
 

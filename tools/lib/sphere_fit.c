@@ -66,9 +66,9 @@ static double row_product(const normal_equations *e, const double *v, int i, int
     size_t at = (size_t)j * (size_t)size + (size_t)i;
     const float *row = e->stencil + 9 * at + 4;
     double sum = 0;
-    for (int y = j > 0 ? -1 : 0; y <= (j + 1 < size); y++)
-        for (int x = i > 0 ? -1 : 0; x <= (i + 1 < size); x++)
-            sum += (double)row[3 * y + x] * v[(ptrdiff_t)at + (ptrdiff_t)y * size + x];
+    int up = j > 0 ? -1 : 0, down = j + 1 < size ? 1 : 0, left = i > 0 ? -1 : 0, right = i + 1 < size ? 1 : 0;
+    for (int y = up; y <= down; y++)
+        for (int x = left; x <= right; x++) sum += (double)row[3 * y + x] * v[(ptrdiff_t)at + (ptrdiff_t)y * size + x];
     return sum;
 }
 
