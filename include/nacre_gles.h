@@ -28,11 +28,15 @@ typedef struct nacre_gles_desc {
     uint8_t prefer_es2;        /* (0) 1: GLSL ES 1.00 texts also on a GLES 3 context */
 } nacre_gles_desc;
 
-/* Bytes of the block for this desc, 4-byte aligned; 0 if desc is not valid. */
+/* Bytes of the block for this desc, which must be 4-byte aligned; 0 if desc is not valid. On 64-bit machines about
+   932 + 112 a program + 320 an item + 16 a texture: 7,716 by default. */
 size_t nacre_gles_size(const nacre_gles_desc *desc);
 
 /* The calling thread's GL context must be current, here and in every call below but abandon.
-   NACRE_ERR_UNSUPPORTED: an entry point is missing, or the context is older than ES 2.0 / GL 2.0 + ES2 compatibility. */
+   Init, add, prepare, restore, and draws that must compile or make targets, read glGetError: an error that was pending
+   is dropped.
+   NACRE_ERR_UNSUPPORTED: an entry point is missing, or the context is older than ES 2.0 / GL 2.0 + ES2 compatibility.
+   NACRE_ERR_GL / LOST: GL made no objects. */
 nacre_result nacre_gles_init(nacre_gles **out, void *block, size_t size, const nacre_gles_desc *desc);
 
 /* Attribute locations of every nacre program, for applications with buffers or draw loops of their own. */
@@ -62,13 +66,19 @@ typedef struct nacre_gles_buffers {
     nacre_q16 centre[3]; /* object space, of the mesh's bounds: what distant_viewer looks at */
 } nacre_gles_buffers;
 
-/* Upload straight from the borrowed bytes; the pointers are kept so that restore can repeat it. Textures are shared by
-   items whose material names the same images.
+/* Upload straight from the borrowed bytes. The structs are copied, but the images, their bytes, vertices and indices
+   are borrowed until the item is removed, so that restore can repeat it. Textures are shared by items whose material
+   names the same nacre_image. Mips that a device can't use (ES 2.0: sides that are no powers of two, chains cut short)
+   are not uploaded; an image larger than the device's textures starts at its first level that fits.
    NACRE_ERR_ARGUMENT: material or mesh not valid. NACRE_ERR_ASSET: an image lacks what its model needs.
-   NACRE_ERR_BUDGET: texture_budget or max_items. NACRE_ERR_GL / LOST: upload failed. Nothing is half-made. */
+   NACRE_ERR_UNSUPPORTED: a texture format or size that the device has not.
+   NACRE_ERR_BUDGET: texture_budget, max_textures or max_items; nothing was created.
+   NACRE_ERR_GL / LOST: upload failed. Nothing is half-made. */
 nacre_result nacre_gles_add(nacre_gles *gles, const nacre_mesh *mesh, const nacre_material *material,
                             nacre_gles_item *out);
-/* The same with the caller's buffers (copied description), or with buffers == NULL for items that are only bound. */
+/* The same with the caller's buffers (copied description), or with buffers == NULL for items that are only bound: those
+   have their centre at the object's origin. Positions need 2..4 components, normals 3..4; with a normal map tangents 4
+   and uv 2..4. NACRE_ERR_UNSUPPORTED also: 32-bit indices that the device has not. */
 nacre_result nacre_gles_add_buffers(nacre_gles *gles, const nacre_gles_buffers *buffers, const nacre_material *material,
                                     nacre_gles_item *out);
 /* Unknown or removed items are ignored. */
@@ -81,14 +91,22 @@ nacre_result nacre_gles_set_buffers(nacre_gles *gles, nacre_gles_item item, cons
 nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const nacre_view *view);
 
 /* Draw. Puts back every GL state it changes (see host_resets_state). Framebuffer, viewport, blend, depth and cull
-   are the caller's. Alpha is written as 1. More lights than the device's uniform vectors or texture units hold in one
-   program are drawn in passes through render targets of nacre's own, as large as the viewport (counted in
-   texture_budget), that hold linear sums at 16 bits a channel. */
+   are the caller's; where there are no vertex arrays, instance divisors of arrays 0..3 must be 0. Alpha is written
+   as 1. Lights that one program can't hold on this device (uniform vectors, texture units) are drawn in passes through
+   render targets of nacre's own, as large as the viewport (18 bytes a pixel, counted in texture_budget, kept until the
+   viewport changes), that hold linear sums at 15.7 bits a channel for the nearest surface of the item at each pixel, by
+   a depth buffer of their own (projections that let depth fall with distance are understood). prepare compiles their
+   programs, up to seven.
+   No errors are read: NACRE_ERR_GL and LOST come only from compiling and from making targets. NACRE_ERR_ARGUMENT: the
+   view is not valid, or the item is unknown, only bound, or waits for set_buffers. NACRE_ERR_UNSUPPORTED: not even one
+   light fits, or the viewport is larger than textures may be. NACRE_ERR_BUDGET: the targets. NACRE_ERR_LOST also: known
+   to be lost, or abandoned; nothing was called. */
 nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item item, const nacre_view *view);
 
 /* For applications with a draw loop of their own: make the program current, bind the textures, set every uniform;
    *program (may be NULL) receives the GL name. Attributes are at NACRE_GLES_*. NACRE_ERR_UNSUPPORTED when this view
-   needs more than one pass. unbind puts back what bind changed (nothing with host_resets_state). */
+   needs more than one pass. unbind puts back what bind changed (nothing with host_resets_state); a second bind unbinds
+   first. */
 nacre_result nacre_gles_bind(nacre_gles *gles, nacre_gles_item item, const nacre_view *view, uint32_t *program);
 nacre_result nacre_gles_unbind(nacre_gles *gles);
 
@@ -105,10 +123,11 @@ typedef struct nacre_gles_state {
 } nacre_gles_state;
 void nacre_gles_changed(const nacre_gles *gles, nacre_gles_state *out);
 
-/* Context lost: forget every GL name without calling GL. Items stay valid but not resident. */
+/* Context lost: forget every GL name without calling GL. Items stay valid but not resident, and may be removed. */
 void nacre_gles_abandon(nacre_gles *gles);
 /* A new context is current: load entry points and upload all again. Items with the caller's buffers need
-   nacre_gles_set_buffers before they are drawn. */
+   nacre_gles_set_buffers before they are drawn. On failure all is as after abandon: try again. NACRE_ERR_LOST: lost,
+   but not abandoned, or lost again; UNSUPPORTED, BUDGET: the new context can't hold the items. */
 nacre_result nacre_gles_restore(nacre_gles *gles);
 
 uint32_t nacre_gles_texture_bytes(const nacre_gles *gles);

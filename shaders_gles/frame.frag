@@ -60,8 +60,10 @@ void main()
     vec3 color = encode_root(LIGHT(0));
 #else
 #if PASS
-    HIGHP vec3 sum = texture2DProj(u_sum_high, v_screen).rgb +
-                     texture2DProj(u_sum_low, v_screen).rgb * (1.0 / 255.0);
+    // High byte floor(255 sum), low byte fract(204 sum). Two programs wrote them, and may have rounded the sum to different
+    // sides of a whole number: because 204 is less than 255, the low byte still says which step is meant.
+    HIGHP vec3 low = texture2DProj(u_sum_low, v_screen).rgb;
+    HIGHP vec3 sum = (low + floor(texture2DProj(u_sum_high, v_screen).rgb * 204.0 + 0.9 - low)) * (1.0 / 204.0);
 #else
     vec3 sum = vec3(0.0);
 #endif
@@ -95,7 +97,7 @@ void main()
 #if PASS == PASS_SUM_HIGH
     vec3 color = floor(min(sum, 1.0) * 255.0) * (1.0 / 255.0);
 #elif PASS == PASS_SUM_LOW
-    vec3 color = fract(min(sum, 1.0) * 255.0);
+    vec3 color = fract(min(sum, 1.0) * 204.0);
 #elif PASS == PASS_LAST && OUTPUT == OUTPUT_LINEAR
     vec3 color = 16.0 * sum;
 #else

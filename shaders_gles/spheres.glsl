@@ -118,7 +118,7 @@ vec3 light(vec3 n, vec3 v, HIGHP vec4 place, vec3 factor)
     HIGHP vec3 r = place.xyz - place.w * v_position;
     HIGHP float inverse = inversesqrt(dot(r, r));
     vec3 l = r * inverse;
-    float near = min(inverse, 64.0);
+    float near = min(inverse, 16.0);
     // 16 (l - v), never shorter than 1/16: when the light is at the eye any direction across v will do
     vec3 d = (l - v) * 16.0 + vec3(v.z, 0.0, -v.x) * 0.0625;
     float dd = dot(d, d);
@@ -178,8 +178,7 @@ vec3 light(vec3 n, sampler2D map1, sampler2D map2, vec4 azimuth, vec4 turn0, vec
     vec3 texel = mix(texture2D(map1, vec2(at.x, y)).rgb, texture2D(map2, vec2(at.y, y)).rgb, factor.w);
     return paper_light(texel, bound.rgb, factor.rgb);
 }
-#define LIGHT(i)                                                                                                       \
-    light(n, u_map[2 * i], u_map[2 * i + 1], u_azimuth[i], u_turn0[i], u_turn1[i], u_turn2[i], u_bound[i], u_factor[i])
+#define LIGHT(i) light(n, u_map[2 * i], u_map[2 * i + 1], u_azimuth[i], u_turn0[i], u_turn1[i], u_turn2[i], u_bound[i], u_factor[i])
 
 #elif LIGHTS
 vec3 light(vec3 n, sampler2D map1, sampler2D map2, vec3 x1, vec3 x2, vec3 y, vec3 rim, vec3 to_light, vec4 factor)
@@ -188,7 +187,5 @@ vec3 light(vec3 n, sampler2D map1, sampler2D map2, vec3 x1, vec3 x2, vec3 y, vec
     vec3 root = mix(texture2D(map1, at.xz).rgb, texture2D(map2, at.yz).rgb, factor.w);
     return sphere_light(root, dot(n, to_light), factor.rgb);
 }
-#define LIGHT(i)                                                                                                       \
-    light(n, u_map[2 * i], u_map[2 * i + 1], u_x1[i].xyz, u_x2[i].xyz, u_y[i].xyz, u_rim[i].xyz, u_light[i].xyz,       \
-          u_factor[i])
+#define LIGHT(i) light(n, u_map[2 * i], u_map[2 * i + 1], u_x1[i].xyz, u_x2[i].xyz, u_y[i].xyz, u_rim[i].xyz, u_light[i].xyz, u_factor[i])
 #endif

@@ -13,17 +13,19 @@ uniform HIGHP vec4 u_light[LIGHTS];
 uniform vec4 u_factor[LIGHTS];
 // [0] S, bias, 2 eps   [1] A, B, C of the row   [2] W, or K1 and K2   [3] eye: v ~ xyz - w P
 uniform HIGHP vec4 u_eye[1];
-uniform vec4 u_model[3];
+uniform vec4 u_model[2 + PHID];
 #define SCALE u_model[0].x
 #define BIAS u_model[0].y
 #define PHI u_model[2]
 #elif LIGHTS == 1
-// u_half: h, sqrt(2 eps)   u_light: l, S   u_slope: l - v, bias   u_factor: rgb, row
+// u_half: h, sqrt(2 eps)   u_light: l (FORM_SRGB: 8192 l), S   u_slope: l - v, bias   u_factor: rgb, row
 uniform vec4 u_half[1];
 uniform vec4 u_light[1];
 uniform vec4 u_slope[1];
 uniform vec4 u_factor[1];
-uniform vec4 u_model[1];
+#if PHID
+uniform vec4 u_model[1]; // W, or K1 and K2
+#endif
 #define SCALE u_light[0].w
 #define BIAS u_slope[0].w
 #define PHI u_model[0]
@@ -39,7 +41,8 @@ uniform vec4 u_model[1];
 #endif
 
 #if LIGHTS
-// Floor of n.l: 2^-14, the smallest normal number of fp16. A larger one under the logarithm would light the dark side.
+// Floor under logarithms: 2^-14, the smallest normal number of fp16. Where n.l itself stands there (FORM_SRGB), the CPU
+// has multiplied it by 2^13 (PERSP: 2^6), or grazing lights of shiny materials would light the dark side.
 #define DARK 0.00006103516
 
 // q = |d|^2 + 2 eps, slope = n.l - n.v
@@ -89,7 +92,11 @@ vec3 light(vec3 n, vec3 v, HIGHP vec4 place, vec3 factor)
     HIGHP vec3 r = place.xyz - place.w * v_position;
     HIGHP float inverse = inversesqrt(dot(r, r));
     vec3 l = r * inverse;
-    float near = min(inverse, 64.0);
+#if FORM == FORM_SRGB
+    float near = min(inverse, 128.0); // |r| is 1/8 at the centre of the mesh
+#else
+    float near = min(inverse, 16.0);  // 1
+#endif
     vec3 sum = l + v;
     float i = inversesqrt(max(dot(sum, sum), 0.0009765625)); // 1 / (2 l.h), l.h >= 2^-6
     vec3 h = sum * i;

@@ -306,7 +306,7 @@ static scene lone_sphere(const studio *st, const mesh *sphere, double polar_deg,
 /* Figure 3: the acquired images, drawn at the light angles they were stored for. */
 static void figure_3(studio *st, const mesh *sphere, const sample material[2], const sphere_asset spheres[2])
 {
-    const sheet_layout layout = {.title = "Sphere images as baked, light at the angle below",
+    const sheet_layout layout = {.title = "Mihalik & Durikovic 2015, figure 3: acquired spheres",
                                  .columns = 6,
                                  .rows = 2,
                                  .cell_width = 192,
@@ -351,8 +351,9 @@ static image_u8 rejected(const scene *s, const sphere_asset *spheres, double k, 
 /* Figure 4: light at 60 degrees between images of 45 and 90. */
 static void figure_4(studio *st, const mesh *sphere, const sample *material, const sphere_asset *spheres)
 {
-    static const char *const caption[] = {"a: k = 1", "b: k = 1/2", "c: equation 4", "d: no 0.995", "measured BRDF"};
-    const sheet_layout layout = {.title = "Light at 60 degrees from images of 45 and 90",
+    static const char *const caption[] = {"a: k = 1", "b: k = 1/2", "c: equation 4", "d: no 0.995", "the BRDF itself"};
+    const sheet_layout layout = {.title =
+                                     "Mihalik & Durikovic 2015, figure 4: light at 60 degrees, images at 45 and 90",
                                  .columns = COUNT(caption),
                                  .rows = 1,
                                  .cell_width = 256,

@@ -29,19 +29,19 @@ nacre_q16 fx_rsqrt_q16(nacre_q16 x)
     return x > 0 ? (nacre_q16)((fx_isqrt(((uint64_t)1 << 62) / (uint64_t)x) + 64) >> 7) : INT32_MAX;
 }
 
+static uint64_t magnitude(int64_t x)
+{
+    return x < 0 ? 0 - (uint64_t)x : (uint64_t)x;
+}
+
 int64_t fx_div(int64_t a, int64_t b)
 {
-    const uint64_t n = a < 0 ? 0 - (uint64_t)a : (uint64_t)a, d = b < 0 ? 0 - (uint64_t)b : (uint64_t)b;
+    const uint64_t n = magnitude(a), d = magnitude(b);
     const uint64_t whole = n / d, rest = n - whole * d;
     const uint64_t rounded = whole + (rest >= d - rest);
     const int64_t out = rounded > INT64_MAX ? INT64_MAX : (int64_t)rounded;
 
     return (a < 0) != (b < 0) ? -out : out;
-}
-
-static uint64_t magnitude(int64_t x)
-{
-    return x < 0 ? 0 - (uint64_t)x : (uint64_t)x;
 }
 
 int fx_normalize_q28(const int64_t v[3], int32_t out[3])

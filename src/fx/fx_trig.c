@@ -7,18 +7,18 @@
 static int64_t sin_q30(int64_t x)
 {
     const int64_t square = fx_shift(x * x, 30);
-    int64_t sum = 2959;                          /* 2^30 / 9! */
+    int64_t sum = 2959; /* 2^30 / 9! */
 
-    sum = 213044 - fx_shift(sum * square, 30);   /* 2^30 / 7! */
-    sum = 8947849 - fx_shift(sum * square, 30);  /* 2^30 / 5! */
-    sum = 178956971 - fx_shift(sum * square, 30);/* 2^30 / 3! */
+    sum = 213044 - fx_shift(sum * square, 30);    /* 2^30 / 7! */
+    sum = 8947849 - fx_shift(sum * square, 30);   /* 2^30 / 5! */
+    sum = 178956971 - fx_shift(sum * square, 30); /* 2^30 / 3! */
     return x - fx_shift(fx_shift(sum * square, 30) * x, 30);
 }
 
 static int64_t cos_q30(int64_t x)
 {
     const int64_t square = fx_shift(x * x, 30);
-    int64_t sum = 296;                           /* 2^30 / 10! */
+    int64_t sum = 296; /* 2^30 / 10! */
 
     sum = 26631 - fx_shift(sum * square, 30);    /* 2^30 / 8! */
     sum = 1491308 - fx_shift(sum * square, 30);  /* 2^30 / 6! */
@@ -34,8 +34,10 @@ int32_t fx_sin_q28(uint32_t turn)
     int64_t value;
 
     if (rest > quarter) rest = 2 * quarter - rest;
-    if (rest <= eighth) value = sin_q30(fx_shift((int64_t)rest * TURN_TO_RADIANS_Q60, 30));
-    else value = cos_q30(fx_shift((int64_t)(quarter - rest) * TURN_TO_RADIANS_Q60, 30));
+    if (rest <= eighth)
+        value = sin_q30(fx_shift((int64_t)rest * TURN_TO_RADIANS_Q60, 30));
+    else
+        value = cos_q30(fx_shift((int64_t)(quarter - rest) * TURN_TO_RADIANS_Q60, 30));
     value = fx_shift(value, 2);
     return (int32_t)(turn >> 31 ? -value : value);
 }
@@ -46,10 +48,10 @@ int32_t fx_cos_q28(uint32_t turn)
 }
 
 /* atan(2^-i) in 2^-32 turns, i = 0..29: round(2^32 atan(2^-i) / (2 pi)). */
-static const uint32_t arctangent[30] = {536870912, 316933406, 167458907, 85004756, 42667331, 21354465, 10679838, 5340245,
-                                        2670163,   1335087,   667544,    333772,   166886,   83443,    41722,    20861,
-                                        10430,     5215,      2608,      1304,     652,      326,      163,      81,
-                                        41,        20,        10,        5,        3,        1};
+static const uint32_t arctangent[30] = {
+    536870912, 316933406, 167458907, 85004756, 42667331, 21354465, 10679838, 5340245, 2670163, 1335087,
+    667544,    333772,    166886,    83443,    41722,    20861,    10430,    5215,    2608,    1304,
+    652,       326,       163,       81,       41,       20,       10,       5,       3,       1};
 
 uint32_t fx_atan2(int64_t y, int64_t x)
 {

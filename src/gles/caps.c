@@ -133,7 +133,7 @@ nacre_result gles_procs_load(nacre_gles *gles)
     char text[40];
     void *proc;
     unsigned i;
-    /* ISO C has no cast from void * to a function pointer; every platform with a GL loader has the same bits for both. */
+    /* ISO C has no cast from void * to a function pointer; where there is a GL loader the bits are the same. */
     for (name = required_names; *name; name++) {
         proc = ask(&gles->desc, text, name, "");
         if (!proc) return gles_fail(gles, NACRE_ERR_UNSUPPORTED, "missing entry point: ", text);

@@ -58,8 +58,8 @@ static void key_model(gles_key *key, const shade_material *material)
         return;
     }
     key->model = material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
-    key->phid = material->fine || t->w[0] || t->w[1] || t->w[2];
-    key->power48 = t->p > 4 * NACRE_Q16_ONE + NACRE_Q16_ONE / 2;
+    key->phid = (uint8_t)(material->fine || t->w[0] || t->w[1] || t->w[2]);
+    key->power48 = t->p > 4 * NACRE_Q16_ONE + NACRE_Q16_ONE / 2; /* 4 or 4.8, see material.c */
 }
 
 void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, unsigned lights, unsigned pass)
@@ -209,7 +209,7 @@ static const nacre_gles_attribute mesh_attributes[NACRE_GLES_ATTRIBUTE_COUNT] = 
     {GLES_SHORT, 2, 0, offsetof(nacre_vertex, uv), sizeof(nacre_vertex)},
 };
 
-/* Point the item's attributes at its buffers, in the current vertex array. enabled: the arrays on there, 0 when unknown. */
+/* Point the item's attributes at its buffers, in the current vertex array. enabled: the arrays on there, 0: unknown. */
 static void point_attributes(const gles_procs *gl, const gles_item *item, unsigned enabled)
 {
     const int own = item->source == GLES_SOURCE_MESH;

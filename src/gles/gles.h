@@ -2,7 +2,7 @@
 /*
  * gles.h - inside of the GLES backend: one object in the caller's block
  *
- * Block: nacre_gles, then desc.max_programs x gles_program, desc.max_items x gles_item, desc.max_textures x gles_texture.
+ * Block: nacre_gles, then max_programs x gles_program, max_items x gles_item, max_textures x gles_texture.
  * GL names are 0 where nothing is made. gles_check and gles_gl_failed are for calls that create; a draw asks no errors.
  */
 #ifndef GLES_GLES_H
@@ -119,7 +119,7 @@ nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl);
 /* lost.c: results, messages, and the life of GL objects */
 /* Log text and detail (may be NULL) as one message; returns result. */
 nacre_result gles_fail(nacre_gles *gles, nacre_result result, const char *text, const char *detail);
-/* Drop errors of earlier calls that were not ours; ERR_LOST when the context is (remembered: no GL call until restore). */
+/* Drop errors of earlier calls that were not ours; ERR_LOST when the context is: no GL call until restore then. */
 nacre_result gles_begin(nacre_gles *gles);
 /* Read GL's errors: OK, ERR_LOST, or ERR_GL with a message. */
 nacre_result gles_check(nacre_gles *gles, const char *what);

@@ -63,8 +63,10 @@ int gles_key_unit_sum(const gles_key *key); /* high; the low one follows */
 /* How light factors are prepared for this program (argument of shade_setup). */
 shade_form gles_key_form(const gles_key *key);
 
-/* Most lights (1..8, or 0 if not even one) that a program like key (its own lights and pass are ignored; pass says
-   is a gles_key_pass; with a pass 1, 2 or 4) can take on a device with so many fragment uniform vectors and texture units. */
+/* Most lights (1..8, or 0 if not even one) that a program like key can take on a device with so many fragment uniform
+   vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4); the key's own lights and pass are ignored.
+   Under persp GLSL ES 1.00 programs stop at 4 lights (tables), 2 (spheres) or 1 (paper): more would be refused by compilers
+   of ES 2.0 GPUs. */
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);
 
 /* Every key that can arise with 8 texture units, in a fixed order; returns the number, writes up to count keys. */

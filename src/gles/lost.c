@@ -166,6 +166,8 @@ void gles_delete_all(nacre_gles *gles)
 {
     unsigned i;
     if (!gles->resident || gles->lost) return;
+    /* A program of ours may still be current; deleted, it would be until the host's next glUseProgram. */
+    if (gles->desc.host_resets_state) gles->gl.UseProgram(0);
     for (i = 0; i < gles->desc.max_programs; i++) gles_program_delete(gles, &gles->programs[i]);
     for (i = 0; i < gles->desc.max_textures; i++)
         if (gles->textures[i].name) gles->gl.DeleteTextures(1, &gles->textures[i].name);

@@ -74,8 +74,8 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
 
     if (!lights) return common;
     if (is_table(key)) {
-        if (key->persp) return common + 2 * lights + 4;
-        return common + (lights == 1 ? 5 : 3 * lights + 1);
+        if (key->persp) return common + 2 * lights + 3 + key->phid;
+        return common + (lights == 1 ? 4u + key->phid : 3 * lights + 1);
     }
     if (key->persp) return common + 2 * lights + 1 + (key->layers > 4 ? 10 : 5);
     return common + 6 * lights;
@@ -129,12 +129,19 @@ void gles_key_canonical(gles_key *key)
     key->zero = 0;
 }
 
+/* Longer programs are refused by compilers of ES 2.0 GPUs, which stop at 256 instructions and few registers. */
+static unsigned most_lights(const gles_key *key)
+{
+    if (key->es3 || !key->persp) return NACRE_MAX_LIGHTS;
+    return is_table(key) ? 4 : key->model == GLES_KEY_SPHERES ? 2 : 1;
+}
+
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units)
 {
     gles_key k = *key;
 
     k.pass = (uint8_t)pass;
-    for (k.lights = NACRE_MAX_LIGHTS; k.lights; k.lights--)
+    for (k.lights = (uint8_t)most_lights(key); k.lights; k.lights--)
         if ((!pass || fits_pass(k.lights)) && gles_key_uniform_vectors(&k) <= uniform_vectors &&
             gles_key_units(&k) <= units)
             break;
@@ -223,7 +230,7 @@ static void add_passes(key_list *list, gles_key key)
 
 static void add_lights(key_list *list, gles_key key)
 {
-    for (key.lights = 1; key.lights <= NACRE_MAX_LIGHTS; key.lights++)
+    for (key.lights = 1; key.lights <= most_lights(&key); key.lights++)
         for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add_passes(list, key);
 }
 

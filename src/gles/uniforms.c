@@ -210,7 +210,8 @@ static void put_phi(gl_float *out, const shade_table_draw *draw)
     out[3] = 0.0f;
 }
 
-static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const shade_frame *frame)
+static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
+                            const shade_frame *frame)
 {
     const shade_table_draw *const draw = &frame->is.table;
     vectors model = {{{0}}};
@@ -220,15 +221,16 @@ static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const
     model.v[0][2] = from_real(draw->two_eps);
     put_q28(model.v[1], draw->row_q28, 3);
     put_phi(model.v[2], draw);
-    set(gl, at->model, &model, 3);
+    set(gl, at->model, &model, key->phid ? 3 : 2);
 }
 
 static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
                            unsigned first, vectors *factor)
 {
     const shade_table_draw *const draw = &frame->is.table;
-    vectors half, light, slope, model;
-    unsigned i;
+    const gl_float lift = gles_key_form(key) == SHADE_SRGB ? (gl_float)(1 << SHADE_LIFT_DIST) : 1.0f;
+    vectors half = {{{0}}}, light = half, slope = half, model = half;
+    unsigned i, j;
 
     for (i = 0; i < key->lights; i++) {
         const shade_table_setup *const s = &light_of(frame, first + i)->is.table;
@@ -236,6 +238,7 @@ static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const 
         put_q28(half.v[i], s->half_q28, 3);
         half.v[i][3] = from_real(draw->root_two_eps);
         put_q28(light.v[i], s->to_light_q28, 3);
+        for (j = 0; j < 3; j++) light.v[i][j] *= lift;
         light.v[i][3] = from_real(draw->scale);
         put_q28(slope.v[i], s->slope_q28, 3);
         slope.v[i][3] = from_real(draw->bias);
@@ -258,13 +261,13 @@ static void set_spheres_persp(const gles_procs *gl, const gles_uniforms *at, con
     unsigned i;
 
     for (i = 0; i < key->layers; i++) {
-        gl_float(*const group)[4] = &model.v[i / 4 * 5];
+        const unsigned group = i / 4 * 5;
 
-        group[0][i % 4] = from_q28(paper ? draw->polar_q28[i] : draw->cos_q28[i]);
-        group[1][i % 4] = from_q28(draw->sin_q28[i]);
-        group[2][i % 4] = from_q28(draw->rim_q28[i]);
-        group[3][i % 4] = from_real(draw->ramp[i][0]);
-        group[4][i % 4] = from_real(draw->ramp[i][1]);
+        model.v[group][i % 4] = from_q28(paper ? draw->polar_q28[i] : draw->cos_q28[i]);
+        model.v[group + 1][i % 4] = from_q28(draw->sin_q28[i]);
+        model.v[group + 2][i % 4] = from_q28(draw->rim_q28[i]);
+        model.v[group + 3][i % 4] = from_real(draw->ramp[i][0]);
+        model.v[group + 4][i % 4] = from_real(draw->ramp[i][1]);
     }
     if (paper) model.v[1][0] = from_q28(draw->polar_q28[draw->count - 1]);
     for (i = 0; i < key->lights; i++) factor->v[i][3] = from_q28(draw->half_disc_q28);
@@ -297,7 +300,7 @@ static void set_spheres_dist(const gles_procs *gl, const gles_uniforms *at, cons
 static void set_paper_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
                            unsigned first, vectors *factor)
 {
-    vectors azimuth, turn[3], bound;
+    vectors azimuth = {{{0}}}, turn[3] = {{{{0}}}}, bound = azimuth;
     unsigned i;
     int j;
 
@@ -322,7 +325,7 @@ static void set_paper_dist(const gles_procs *gl, const gles_uniforms *at, const 
 static void set_positions(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
                           unsigned first)
 {
-    vectors light, eye;
+    vectors light = {{{0}}}, eye = light;
     unsigned i;
 
     for (i = 0; i < key->lights; i++) put_real(light.v[i], light_of(frame, first + i)->position, 4);
@@ -346,10 +349,15 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     if (!key->lights) return;
     put_factors(&factor, key, frame, first_light, scale);
     if (key->persp) set_positions(gl, at, key, frame, first_light);
-    if (table && key->persp) set_table_persp(gl, at, frame);
-    else if (table) set_table_dist(gl, at, key, frame, first_light, &factor);
-    else if (key->persp) set_spheres_persp(gl, at, key, frame, &factor);
-    else if (key->model == GLES_KEY_PAPER) set_paper_dist(gl, at, key, frame, first_light, &factor);
-    else set_spheres_dist(gl, at, key, frame, first_light, &factor);
+    if (table && key->persp)
+        set_table_persp(gl, at, key, frame);
+    else if (table)
+        set_table_dist(gl, at, key, frame, first_light, &factor);
+    else if (key->persp)
+        set_spheres_persp(gl, at, key, frame, &factor);
+    else if (key->model == GLES_KEY_PAPER)
+        set_paper_dist(gl, at, key, frame, first_light, &factor);
+    else
+        set_spheres_dist(gl, at, key, frame, first_light, &factor);
     set(gl, at->factor, &factor, key->lights);
 }

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "shade.h"
 
-#define LOG2_PI_Q16    108232    /* log2(pi) */
-#define LOG2_1055_Q16  5062      /* log2(1.055) */
-#define LH_LEAST_Q28   5905580   /* .022: keeps 1 / l.h of lights behind the object finite */
-#define LV_LEAST_Q28   -268167021 /* -.999: beyond it the half vector is undefined */
-#define LIMIT_LINEAR   (11 * 65536) /* log2 of 2,048: eight lights stay below 16,384 */
-#define LIMIT_ROOT     (8 * 65536)
+#define LOG2_PI_Q16   108232       /* log2(pi) */
+#define LOG2_1055_Q16 5062         /* log2(1.055) */
+#define LH_LEAST_Q28  5905580      /* .022: keeps 1 / l.h of lights behind the object finite */
+#define LV_LEAST_Q28  -268167021   /* -.999: beyond it the half vector is undefined */
+#define LIMIT_LINEAR  (11 * 65536) /* log2 of 2,048: eight lights stay below 16,384 */
+#define LIMIT_ROOT    (7 * 65536)
 
 /* ---- vectors and matrices ------------------------------------------------------------------------ */
 
@@ -124,7 +124,7 @@ static int32_t model_log2(const shade_material *material, int channel)
 typedef struct placed_light { /* a light as seen from the centre of the mesh */
     int32_t direction_q28[3]; /* view space */
     int valid;
-    fx_real distance;         /* point lights; 1 for others */
+    fx_real distance; /* point lights; 1 for others */
 } placed_light;
 
 static placed_light place(const nacre_light *light, const int64_t centre[3])
@@ -147,6 +147,11 @@ static placed_light place(const nacre_light *light, const int64_t centre[3])
     return out;
 }
 
+static int lifted(const shade_material *material, shade_form form)
+{
+    return material->model == NACRE_MODEL_TABLE && form == SHADE_SRGB;
+}
+
 /* r = xyz - w P, with w P = view position / distance. */
 static void set_position(shade_light *out, const nacre_light *light, const placed_light *place, int position_shift)
 {
@@ -154,8 +159,9 @@ static void set_position(shade_light *out, const nacre_light *light, const place
     int i;
 
     for (i = 0; i < 3; i++)
-        out->position[i] = light->type == NACRE_LIGHT_POINT ? fx_real_mul(fx_real_make(light->position[i], -16), inverse)
-                                                            : fx_real_make(place->direction_q28[i], -28);
+        out->position[i] = light->type == NACRE_LIGHT_POINT
+                               ? fx_real_mul(fx_real_make(light->position[i], -16), inverse)
+                               : fx_real_make(place->direction_q28[i], -28);
     out->position[3] = fx_real_make(0, 0);
     if (light->type == NACRE_LIGHT_POINT) {
         out->position[3] = inverse;
@@ -164,7 +170,7 @@ static void set_position(shade_light *out, const nacre_light *light, const place
 }
 
 static void set_factors(shade_light *out, const nacre_view *view, const nacre_light *light, const placed_light *place,
-                        int64_t more_log2, const shade_material *material, shade_form form)
+                        int64_t more_log2, int lift, const shade_material *material, shade_form form)
 {
     const int64_t fall = -2 * (int64_t)fx_real_log2_q16(place->distance);
     int i;
@@ -172,10 +178,11 @@ static void set_factors(shade_light *out, const nacre_view *view, const nacre_li
     for (i = 0; i < 3; i++) {
         int64_t seen, sent, sum;
 
-        if (!view_log2(view, i, &seen) | !light_log2(light, i, &sent)) continue;
+        if (!view_log2(view, i, &seen) || !light_log2(light, i, &sent)) continue;
         sum = seen + sent + fall + more_log2 + model_log2(material, i);
-        out->factor[i] = shaped(sum, form, material);
         out->linear[i] = shaped(sum, SHADE_LINEAR, material);
+        if (lifted(material, form)) sum -= lift * 65536;
+        out->factor[i] = shaped(sum, form, material);
     }
 }
 
@@ -206,6 +213,8 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
 
     for (i = 0; i < 3; i++) out->factor[i] = out->linear[i] = fx_real_make(0, 0);
     set_position(out, light, &place_of, frame->position_shift);
+    if (lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
+        for (i = 0; i < 4; i++) out->position[i].e -= SHADE_LIFT_PERSP / 2;
     incoming(&in, place_of.direction_q28, frame->turn_q28);
     if (material->model == NACRE_MODEL_TABLE) {
         shade_table_light(&out->is.table, &in, &material->is.table);
@@ -215,7 +224,8 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
         shade_spheres_light(&out->is.spheres, &in, &material->is.spheres);
     }
     if (given && place_of.valid && (frame->persp || !in.lost))
-        set_factors(out, view, light, &place_of, more, material, form);
+        set_factors(out, view, light, &place_of, more, frame->persp ? SHADE_LIFT_PERSP : SHADE_LIFT_DIST, material,
+                    form);
 }
 
 /* ---- the frame ----------------------------------------------------------------------------------- */
@@ -268,7 +278,9 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     out->persp = persp != 0;
     set_camera(out, view, centre_view);
     set_ambient(out, view, material);
-    if (material->model == NACRE_MODEL_TABLE) shade_table_prepare(&out->is.table, &material->is.table, material->fine);
-    else shade_spheres_prepare(&out->is.spheres, &material->is.spheres, units);
+    if (material->model == NACRE_MODEL_TABLE)
+        shade_table_prepare(&out->is.table, &material->is.table, material->fine);
+    else
+        shade_spheres_prepare(&out->is.spheres, &material->is.spheres, units);
     for (i = 0; i < NACRE_MAX_LIGHTS; i++) set_light(out, i, view, centre_view, material, form);
 }

@@ -45,6 +45,10 @@ typedef struct shade_material {
 } shade_material;
 
 /* What the light factors of a frame multiply: follows from the program (gles_key_form). */
+#define SHADE_LIFT_DIST                                                                                                \
+    13 /* log2 of what n.l is multiplied by under the logarithm of tables in SHADE_SRGB, so that its */
+#define SHADE_LIFT_PERSP 6 /* floor of 2^-14 is dark enough on the unlit side; factor holds the inverse */
+
 typedef enum shade_form {
     SHADE_LINEAR, /* linear radiance */
     SHADE_ROOT,   /* its square root: one light, no sum */
@@ -78,7 +82,7 @@ typedef struct shade_light {
     fx_real factor[3];   /* R G B, see shade_form; 0 when the light adds nothing */
     fx_real linear[3];   /* the same in SHADE_LINEAR */
     fx_real position[4]; /* persp: xyz and w of r = xyz - w P, P = view position x 2^position_shift; |r| is 1 at the
-                            centre of the mesh */
+                            centre of the mesh (tables in SHADE_SRGB: 1/8, see SHADE_LIFT_PERSP) */
     union {
         shade_table_setup table;
         shade_spheres_setup spheres;
@@ -90,19 +94,19 @@ typedef struct shade_table_draw {
     fx_real scale, bias; /* u' = scale log2(|n - h|^2 + 2 eps) + bias */
     fx_real two_eps, root_two_eps;
     nacre_q16 phi_q16[3]; /* W; fine tier: K1, K2, 0 */
-    int32_t row_q28[3];  /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
+    int32_t row_q28[3];   /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
 } shade_table_draw;
 
 /* Constant over a draw: spheres, persp. The layers are spread over the file's when it has more than units. */
 typedef struct shade_spheres_draw {
-    uint8_t count;                       /* units in use */
-    uint8_t layer[SHADE_MAX_UNITS];      /* layer that unit i holds; beyond count: the last one again */
-    int32_t polar_q28[SHADE_MAX_UNITS];  /* radians */
-    int32_t cos_q28[SHADE_MAX_UNITS];    /* of half the polar angle, x disc / 2 */
+    uint8_t count;                      /* units in use */
+    uint8_t layer[SHADE_MAX_UNITS];     /* layer that unit i holds; beyond count: the last one again */
+    int32_t polar_q28[SHADE_MAX_UNITS]; /* radians */
+    int32_t cos_q28[SHADE_MAX_UNITS];   /* of half the polar angle, x disc / 2 */
     int32_t sin_q28[SHADE_MAX_UNITS];
-    int32_t rim_q28[SHADE_MAX_UNITS];    /* what depth behind the rim (already x disc / 2) adds to x */
-    fx_real ramp[SHADE_MAX_UNITS][2];    /* weight of unit i + 1 over unit i: [0] x polar angle + [1], clamped to 0..1 */
-    int32_t half_disc_q28;               /* disc / 2; paper: x 0.995 */
+    int32_t rim_q28[SHADE_MAX_UNITS]; /* what depth behind the rim (already x disc / 2) adds to x */
+    fx_real ramp[SHADE_MAX_UNITS][2]; /* weight of unit i + 1 over unit i: [0] x polar angle + [1], clamped to 0..1 */
+    int32_t half_disc_q28;            /* disc / 2; paper: x 0.995 */
 } shade_spheres_draw;
 
 /* One draw. About 3 KB. Lights beyond light_count have factor 0 and are otherwise like directional ones from the eye. */
@@ -112,8 +116,8 @@ typedef struct shade_frame {
     uint8_t persp;
     int32_t turn_q28[3][3]; /* rows of the rotation (dist, perspective camera; otherwise the identity) */
     int position_shift;
-    fx_real eye[4];         /* persp: xyz and w of v = normalize(xyz - w P) */
-    fx_real ambient[3];     /* radiance: albedo x ambient / pi x tint x exposure */
+    fx_real eye[4];     /* persp: xyz and w of v = normalize(xyz - w P) */
+    fx_real ambient[3]; /* radiance: albedo x ambient / pi x tint x exposure */
     union {
         shade_table_draw table;
         shade_spheres_draw spheres;

@@ -2,10 +2,10 @@
 /* Mihalik & Durikovic 2015: set-up of eq. 1-4. */
 #include "shade.h"
 
-#define LOG2_PI_Q16       108232    /* log2(pi) */
-#define PI_Q28            843314857
-#define SHRINK_Q14        16302     /* 0.995: normals are shortened before sampling, section 4 */
-#define HALF_TURN         0x80000000u
+#define LOG2_PI_Q16 108232 /* log2(pi) */
+#define PI_Q28      843314857
+#define SHRINK_Q14  16302 /* 0.995: normals are shortened before sampling, section 4 */
+#define HALF_TURN   0x80000000u
 
 int32_t shade_spheres_log2(const shade_spheres *spheres, int channel)
 {
@@ -115,8 +115,7 @@ void shade_spheres_light(shade_spheres_setup *out, const shade_incoming *in, con
         out->x_q28[i][2] = mul_q28(sin_half, disc);
         fit_turns(out, i, difference, polar > polar_turn(spheres, spheres->layers - 1));
         if (i) { /* z' = -x sin + z cos; a file without padding has nothing beyond the rim */
-            const int32_t push =
-                difference > 0 && spheres->disc < NACRE_Q16_ONE ? mul_q28(tan_half(half), disc) : 0;
+            const int32_t push = difference > 0 && spheres->disc < NACRE_Q16_ONE ? mul_q28(tan_half(half), disc) : 0;
 
             out->rim_q28[0] = mul_q28(mul_q28(c, sin_half), push);
             out->rim_q28[1] = mul_q28(mul_q28(s, sin_half), push);

@@ -27,7 +27,8 @@ void shade_table_light(shade_table_setup *out, const shade_incoming *in, const s
     const int64_t twice_lh = 2 * (int64_t)in->l_dot_h_q28;
     /* 1 - l.h = (1 - l.v) / (2 (1 + l.h)): no cancellation near the eye */
     const int64_t away =
-        in->lost ? FX_Q28_ONE : fx_div((FX_Q28_ONE - (int64_t)l[2]) * FX_Q28_ONE, 2 * ((int64_t)FX_Q28_ONE + in->l_dot_h_q28));
+        in->lost ? FX_Q28_ONE
+                 : fx_div((FX_Q28_ONE - (int64_t)l[2]) * FX_Q28_ONE, 2 * ((int64_t)FX_Q28_ONE + in->l_dot_h_q28));
     const int64_t s = fx_isqrt((uint64_t)away << 28);
     int i;
 

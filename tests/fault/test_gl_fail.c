@@ -29,6 +29,7 @@ typedef struct run {
     kit_world w;
     nacre_gles_item item;
     nacre_view view;
+    int orphans; /* what abandon left, because there is no new context here */
 } run;
 
 typedef nacre_result (*step)(run *r, const session *s);
@@ -67,6 +68,7 @@ static nacre_result step_bind(run *r, const session *s)
 static nacre_result step_restore(run *r, const session *s)
 {
     (void)s;
+    r->orphans = fake_gl_live();
     nacre_gles_abandon(r->w.gles);
     return nacre_gles_restore(r->w.gles);
 }
@@ -108,6 +110,7 @@ static int run_session(const session *s, long n)
     long before[FAKE_GL_STATES];
     int seen = 0;
     fake_gl_start(&s->gl);
+    memset(&r, 0, sizeof r);
     kit_world_make(&r.w, &s->desc);
     r.view = kit_view(s->lights, s->points, s->perspective);
     r.view.ambient = nacre_rgb_from_float(0.1f, 0.1f, 0.1f);
@@ -136,6 +139,7 @@ static int run_session(const session *s, long n)
         if (steps[i].run == step_add) assert_int_equal(fake_gl_texture_bytes(), nacre_gles_texture_bytes(r.w.gles));
     }
     nacre_gles_shutdown(r.w.gles);
+    assert_int_equal(fake_gl_live(), r.orphans);
     assert_same_state(before, count, n, "shutdown");
     assert_true(kit_world_free(&r.w));
     return fake_gl_calls() >= n;

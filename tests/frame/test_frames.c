@@ -56,7 +56,7 @@ static int run_case(scene_gles *g, const driver *d, int index, int driver_index,
     ok = !scene_gles_draw(g, &s, &asset.material, &actual, &f) &&
          !scene_draw_double(&s, asset.decoded, asset.albedo, c->normal_map ? &asset.normal_map : NULL, &expected, &f);
     if (ok) {
-        ok = compare_frames(name, &actual, &expected, c->mesh != NULL, d->half ? &c->fp16 : &c->fp32, NULL);
+        ok = compare_frames(name, &actual, &expected, c->mesh != NULL, d->half ? c->fp16 : c->fp32, NULL);
         snprintf(path, sizeof path, "%s/%d.%d.png", directory, driver_index, index);
         ok &= !png_write(path, &actual, &f);
         image_u8_free(&actual);
@@ -170,7 +170,7 @@ static void bounds_are_tight(void **state)
     case_scene(&s, &moved, &shape, 96, 96);
     assert_int_equal(scene_draw_double(&s, asset.decoded, asset.albedo, NULL, &b, &f), 0);
     compare_frames("(for comparison) light moved by 1 degree", &a, &b, 0, &(compare_bound){-255, 255, 1, 1}, &r);
-    assert_true(r.least < moved.fp32.low || r.most > moved.fp32.high);
+    assert_true(r.least < moved.fp32->low || r.most > moved.fp32->high);
     image_u8_free(&a);
     image_u8_free(&b);
     case_asset_close(&asset);

@@ -113,19 +113,28 @@ static const char *model_name(int m)
     return names[m];
 }
 
-/* 16 uniform vectors and all lights in passes against as many as the driver has and one pass. Bound 2: each sum is kept
-   in 16 bits (below 0.1 code even through the steep foot of the square root above code 10), the encode rounds once more,
-   and the one-light texts of some outputs use another polynomial. */
+/* 16 uniform vectors against as many as lets the driver take all lights in one pass. Bound 2: sums are kept to 2^-15.7, which
+   is below 1/4 code beyond code 3, both ways round once, and texts for one pass may use another polynomial. Without mips:
+   their level at a silhouette pixel hangs on values outside the triangle, which drivers don't repeat from program to
+   program. 8 units allow 4 lights of spheres in one pass under a distant viewer. */
 static void passes_equal_one_pass(void **state)
 {
     (void)state;
+    uint8_t levels[KIT_MODELS];
+    int in_passes = 0, opened = 0;
+    for (int i = 0; i < KIT_MODELS; i++) {
+        levels[i] = assets.image[i].levels;
+        assets.image[i].levels = 1;
+    }
     for (int d = 0; d < DRIVERS; d++)
-        for (int model = 0; model <= KIT_PAPER; model++)
-            for (int variant = 0; variant < 4; variant++) {
+        for (int model = d ? d : KIT_TABLE; model <= (d ? d : KIT_PAPER); model++)
+            for (int variant = model; variant < 4; variant += 4) {
                 char what[100];
                 kit_world w;
-                const int normal = variant == 2, perspective = variant > 0, points = variant == 3 ? 3 : 0;
-                nacre_view view = kit_view(8, points, perspective);
+                /* Directions per pixel: ES 2.0 texts hold so few lights of these that one pass can't be had. */
+                const int normal = variant == 1, perspective = d > 0, points = normal && perspective ? 2 : 0;
+                const int spheres = model == KIT_SPHERES || model == KIT_PAPER;
+                nacre_view view = kit_view(spheres ? (perspective ? 6 : 4) : 7, points, perspective);
                 image_u8 one, many;
                 view.ambient = nacre_rgb_from_float(0.3f, 0.2f, 0.1f);
                 view.output = (uint8_t)(variant == 1   ? NACRE_OUTPUT_SQRT
@@ -136,7 +145,7 @@ static void passes_equal_one_pass(void **state)
                 if (!open_driver(d, &(fake_gl_options){.fragment_vectors = 1024})) break;
                 begin(&w, NULL);
                 one = draw(&w, add(&w, (kit_model)model, normal), &view);
-                const long draws = fake_gl_draws();
+                const int draws = fake_gl_draws();
                 end(&w);
                 gl_headless_close(context);
 
@@ -149,16 +158,19 @@ static void passes_equal_one_pass(void **state)
                 if (fake_gl_draws() > 1) /* 18 bytes a pixel of targets */
                     assert_int_equal(nacre_gles_texture_bytes(w.gles), bytes + 18 * SIZE * SIZE);
                 assert_int_equal(fake_gl_texture_bytes(), nacre_gles_texture_bytes(w.gles));
-                if (d == 0 && model == KIT_SPHERES && variant == 0) {
-                    assert_true(fake_gl_draws() > 4);
-                    print_message("8 lights of spheres: %ld draws at 1024 uniform vectors, %d at 16\n", draws,
-                                  fake_gl_draws());
-                }
+                if (!normal || !spheres) assert_int_equal(draws, 1);
+                in_passes += fake_gl_draws() > 1;
+                opened |= 1 << d;
+                if (d == 0)
+                    print_message("%s: %d lights, %d draws at 1024 uniform vectors, %d at 16\n", what, view.light_count,
+                                  draws, fake_gl_draws());
                 image_u8_free(&one);
                 image_u8_free(&many);
                 end(&w);
                 gl_headless_close(context);
             }
+    for (int i = 0; i < KIT_MODELS; i++) assets.image[i].levels = levels[i];
+    assert_true(in_passes >= (opened & 1 ? 4 : 0) + (opened >> 1 & 1) + (opened >> 2 & 1));
 }
 
 /* Passes that can't be: no room for targets, and a draw loop of the application's own. */
@@ -232,25 +244,30 @@ static void draw_myself(const host_mesh *m)
     elements(4, (int)m->buffers.count, 0x1403, NULL);
 }
 
-/* The same mesh packed, as floats in the caller's buffers, and in the caller's own draw call. Bound 1: packed positions
-   go through a matrix that holds the extent, so the last bit of a coordinate may differ; 4 codes at most on a silhouette
-   pixel are not needed, because both cover the same pixels. */
+/* The same mesh packed, as floats in the caller's buffers, and in the caller's own draw call. Bound 1: packed positions are
+   scaled by the shader, so the last bit of a coordinate may differ. */
 static void callers_buffers_equal_mesh(void **state)
 {
     (void)state;
     for (int d = 0; d < DRIVERS; d++)
-        for (int model = 0; model <= KIT_RGB565; model++) {
+        for (int model = 0; model <= KIT_RGB565; model += 1 + (d > 0)) {
             char what[100];
             kit_world w;
             if (!open_driver(d, NULL)) break;
             const int normal = model & 1;
-            const nacre_view view = kit_view(1 + model % 3, model == KIT_PAPER, model > 1);
+            const nacre_view view = kit_view(model == KIT_PAPER ? 1 : 1 + model % 2, model == KIT_PAPER, model > 1);
             const nacre_material material = kit_material(&assets, (kit_model)model, normal);
             begin(&w, NULL);
             const host_mesh mesh = upload_floats();
             nacre_gles_item theirs = {0}, bound = {0};
             uint32_t program = 0;
-            assert_int_equal(nacre_gles_add_buffers(w.gles, &mesh.buffers, &material, &theirs), NACRE_OK);
+            const nacre_result added = nacre_gles_add_buffers(w.gles, &mesh.buffers, &material, &theirs);
+            if (added == NACRE_ERR_UNSUPPORTED && model == KIT_ETC1) { /* bare ES 2.0 has no compressed textures */
+                end(&w);
+                gl_headless_close(context);
+                continue;
+            }
+            assert_int_equal(added, NACRE_OK);
             assert_int_equal(nacre_gles_add_buffers(w.gles, NULL, &material, &bound), NACRE_OK);
             snprintf(what, sizeof what, "%s, %s: buffers", drivers_here[d].name, model_name(model));
             image_u8 ours = draw(&w, add(&w, (kit_model)model, normal), &view), buffers = draw(&w, theirs, &view), own;
@@ -281,7 +298,7 @@ static void options_do_not_show(void **state)
     static const nacre_gles_desc descs[] = {
         {.host_resets_state = 1}, {.prefer_es2 = 1}, {.max_programs = 1}, {.max_items = 255}};
     for (int d = 0; d < DRIVERS; d++)
-        for (int model = 0; model <= KIT_PAPER; model++) {
+        for (int model = KIT_TABLE; model <= KIT_SPHERES; model += KIT_SPHERES - KIT_TABLE) {
             const nacre_view view = kit_view(2, 0, 1);
             kit_world w;
             image_u8 plain, other;
@@ -318,6 +335,7 @@ static void make_state_odd(void)
     void (*viewport)(int, int, int, int) = (void (*)(int, int, int, int))(uintptr_t)proc("glViewport");
     void (*clear_color)(float, float, float, float) =
         (void (*)(float, float, float, float))(uintptr_t)proc("glClearColor");
+    void (*clear_depth)(float) = (void (*)(float))(uintptr_t)proc("glClearDepthf");
     void (*depth_func)(unsigned) = (void (*)(unsigned))(uintptr_t)proc("glDepthFunc");
     void (*pointer)(unsigned, int, unsigned, uint8_t, int, const void *) =
         (void (*)(unsigned, int, unsigned, uint8_t, int, const void *))(uintptr_t)proc("glVertexAttribPointer");
@@ -337,6 +355,7 @@ static void make_state_odd(void)
     store(0x0CF5, 2);
     viewport(3, 5, 40, 44);
     clear_color(0.25f, 0.5f, 0.75f, 1);
+    clear_depth(0.5f);
     depth_func(0x0203); /* GL_LEQUAL */
     gl_enable(0x0BE2);
     gl_enable(0x0C11);
@@ -347,16 +366,17 @@ static void state_is_put_back(void **state)
     (void)state;
     for (int d = 0; d < DRIVERS; d++)
         for (int lean = 0; lean < 2; lean++) /* without vertex arrays too */
-            for (int lights = 1; lights <= 8; lights += 7) {
+            for (int lights = 1; lights <= 7; lights += 6) {
                 long before[FAKE_GL_STATES], after[FAKE_GL_STATES];
                 kit_world w;
                 if (!open_driver(d, &(fake_gl_options){.fragment_vectors = 16, .no_optional = lean})) break;
                 make_state_odd();
                 const int count = fake_gl_snapshot(before);
                 begin(&w, NULL);
-                const nacre_gles_item item = add(&w, KIT_SPHERES, 1);
+                const nacre_gles_item item = add(&w, KIT_FINE, 1);
                 const nacre_view view = kit_view(lights, lights > 1, 1);
                 for (int i = 0; i < 2; i++) assert_int_equal(nacre_gles_draw(w.gles, item, &view), NACRE_OK);
+                assert_int_equal(fake_gl_draws() > 2, lights == 7); /* in passes */
                 if (nacre_gles_bind(w.gles, item, &view, NULL) == NACRE_OK) nacre_gles_unbind(w.gles);
                 assert_int_equal(gl_error(), 0);
                 nacre_gles_shutdown(w.gles);

@@ -16,64 +16,21 @@
 /*
  * What the bounds are made of, in codes of 255, driver minus exact double decode of the same file:
  *   filter       texture filters weigh in 1/256: the texel read is up to 1 code of 255 off. What follows multiplies that:
- *                by 2 to 2.4 in sRGB and square root, by 4.8 in linear light (radiance goes with texel^4.8) near white
+ *                by 2 to 2.4 in sRGB and square root, by 4.8 in linear light (radiance goes with texel^4.8) near white, and
+ *                there by exposure too (0.3 % of the pixels may be further off)
  *   +-1          rounding, finished integers (q14 vectors, q16 matrices)
  *   -3           one light of a table, sRGB: the curve is drawn without its linear toe, at worst -2.7 codes near black
  *   -1.4, +1.5   sums of lights, sRGB: a cubic of the square root stands for the curve
  *   outliers     spheres: a normal turned past the rim is held to it along x, in double along the radius (0.3 % of the
  *                pixels, lights behind); meshes: packed normals, and outlines of parts before others that move by 1/256
- *                pixel, one pixel wide (1.2 % of the pixels); paper under perspective: mip levels, which double leaves out,
+ *                pixel, one pixel wide (2 % of the pixels); paper under perspective: mip levels, which double leaves out,
  *                where the frame is much smaller than the images
  *   fp16         11 bits: some codes more on the flank of highlights (test_fp16.c compares it with fp32)
  */
-#define TOE                                                                                                            \
-    {                                                                                                                  \
-        -5, 3, 0, 0                                                                                                    \
-    }
-#define SUM                                                                                                            \
-    {                                                                                                                  \
-        -4, 4, 0, 0                                                                                                    \
-    }
-#define ROOT                                                                                                           \
-    {                                                                                                                  \
-        -3, 3, 0, 0                                                                                                    \
-    }
-#define LIGHT                                                                                                          \
-    {                                                                                                                  \
-        -4, 4, 0, 0                                                                                                    \
-    }
-#define RIM                                                                                                            \
-    {                                                                                                                  \
-        -4, 4, .003, 0                                                                                                 \
-    }
-#define MIP                                                                                                            \
-    {                                                                                                                  \
-        -4, 4, .012, 0                                                                                                 \
-    }
-#define BUMP                                                                                                           \
-    {                                                                                                                  \
-        -6, 5, 0, 0                                                                                                    \
-    }
-#define MESHTOE                                                                                                        \
-    {                                                                                                                  \
-        -5, 3, .004, .003                                                                                              \
-    }
-#define MESHSUM                                                                                                        \
-    {                                                                                                                  \
-        -4, 4, .008, .003                                                                                              \
-    }
-#define HALF                                                                                                           \
-    {                                                                                                                  \
-        -7, 6, .001, 0                                                                                                 \
-    }
-#define HALFRIM                                                                                                        \
-    {                                                                                                                  \
-        -7, 6, .004, 0                                                                                                 \
-    }
-#define MESHHALF                                                                                                       \
-    {                                                                                                                  \
-        -7, 6, .008, .003                                                                                              \
-    }
+static const compare_bound toe = {-5, 4, 0, 0}, sum = {-4, 4, 0, 0}, root = {-3, 3, 0, 0}, light = {-4, 4, .003, 0};
+static const compare_bound rim = {-4, 4, .003, 0}, mip = {-4, 4, .02, 0}, bump = {-6, 5, 0, 0};
+static const compare_bound mesh_toe = {-5, 4, .004, .003}, mesh_sum = {-4, 4, .02, .003};
+static const compare_bound half = {-7, 6, .001, 0}, half_rim = {-7, 6, .004, 0}, mesh_half = {-7, 6, .008, .003};
 
 #define GOLD   "sgd:gold-metallic-paint"
 #define YELLOW "sgd:yellow-plastic"
@@ -83,60 +40,62 @@
 #define LINEAR NACRE_OUTPUT_LINEAR
 
 const frame_case frame_cases[] = {
-    {.name = "table 1 light srgb", .brdf = GOLD, .lights = 1, .fp32 = TOE, .fp16 = HALF},
-    {.name = "table 1 light sqrt", .brdf = GOLD, .lights = 1, .output = SQRT, .fp32 = ROOT, .fp16 = HALF},
-    {.name = "table 1 light linear", .brdf = GOLD, .lights = 1, .output = LINEAR, .fp32 = LIGHT, .fp16 = HALF},
-    {.name = "table 1 light at 150", .brdf = GOLD, .lights = 1, .polar_deg = 150, .fp32 = TOE, .fp16 = HALF},
-    {.name = "table 1 light at the eye", .brdf = GOLD, .lights = 1, .polar_deg = 1e-9, .fp32 = TOE, .fp16 = HALF},
-    {.name = "table narrow lobe", .brdf = VIOLET, .lights = 1, .exposure = 2, .fp32 = TOE, .fp16 = HALF},
+    {.name = "table 1 light srgb", .brdf = GOLD, .lights = 1, .fp32 = &toe, .fp16 = &half},
+    {.name = "table 1 light sqrt", .brdf = GOLD, .lights = 1, .output = SQRT, .fp32 = &root, .fp16 = &half},
+    {.name = "table 1 light linear", .brdf = GOLD, .lights = 1, .output = LINEAR, .fp32 = &light, .fp16 = &half},
+    {.name = "table 1 light at 75", .brdf = YELLOW, .lights = 1, .polar_deg = 75, .fp32 = &toe, .fp16 = &half},
+    {.name = "table 1 light at 110", .brdf = YELLOW, .lights = 1, .polar_deg = 110, .fp32 = &toe, .fp16 = &half},
+    {.name = "table 1 light at 150", .brdf = GOLD, .lights = 1, .polar_deg = 150, .fp32 = &toe, .fp16 = &half},
+    {.name = "table 1 light at the eye", .brdf = GOLD, .lights = 1, .polar_deg = 1e-9, .fp32 = &toe, .fp16 = &half},
+    {.name = "table narrow lobe", .brdf = VIOLET, .lights = 1, .exposure = 2, .fp32 = &toe, .fp16 = &half},
     {.name = "table p4 1 light sqrt",
      .model = CASE_TABLE_P4,
      .brdf = GOLD,
      .lights = 1,
      .output = SQRT,
-     .fp32 = ROOT,
-     .fp16 = HALF},
-    {.name = "table p4 1 light srgb", .model = CASE_TABLE_P4, .brdf = GOLD, .lights = 1, .fp32 = SUM, .fp16 = HALF},
-    {.name = "table without phi_d", .model = CASE_TABLE_RGB, .brdf = YELLOW, .lights = 1, .fp32 = TOE, .fp16 = HALF},
+     .fp32 = &root,
+     .fp16 = &half},
+    {.name = "table p4 1 light srgb", .model = CASE_TABLE_P4, .brdf = GOLD, .lights = 1, .fp32 = &sum, .fp16 = &half},
+    {.name = "table without phi_d", .model = CASE_TABLE_RGB, .brdf = YELLOW, .lights = 1, .fp32 = &toe, .fp16 = &half},
     {.name = "table without phi_d, perspective, point",
      .model = CASE_TABLE_RGB,
      .brdf = YELLOW,
      .camera = CASE_PERSPECTIVE,
      .points = 1,
-     .fp32 = SUM,
-     .fp16 = HALF},
-    {.name = "table 2 lights", .brdf = YELLOW, .lights = 2, .fp32 = SUM, .fp16 = HALF},
-    {.name = "table 4 lights", .brdf = YELLOW, .lights = 4, .fp32 = SUM, .fp16 = HALF},
-    {.name = "table 8 lights", .brdf = GOLD, .lights = 8, .fp32 = SUM, .fp16 = HALF},
-    {.name = "table 3 lights sqrt", .brdf = GOLD, .lights = 3, .output = SQRT, .fp32 = ROOT, .fp16 = HALF},
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "table 2 lights", .brdf = YELLOW, .lights = 2, .fp32 = &sum, .fp16 = &half},
+    {.name = "table 4 lights", .brdf = YELLOW, .lights = 4, .fp32 = &sum, .fp16 = &half},
+    {.name = "table 8 lights", .brdf = GOLD, .lights = 8, .fp32 = &sum, .fp16 = &half},
+    {.name = "table 3 lights sqrt", .brdf = GOLD, .lights = 3, .output = SQRT, .fp32 = &root, .fp16 = &half},
     {.name = "table perspective 1 light",
      .brdf = GOLD,
      .camera = CASE_PERSPECTIVE,
      .lights = 1,
-     .fp32 = SUM,
-     .fp16 = HALF},
+     .fp32 = &sum,
+     .fp16 = &half},
     {.name = "table perspective 4 lights",
      .brdf = YELLOW,
      .camera = CASE_PERSPECTIVE,
      .lights = 4,
-     .fp32 = SUM,
-     .fp16 = HALF},
+     .fp32 = &sum,
+     .fp16 = &half},
     {.name = "table perspective 2 lights, 2 points",
      .brdf = GOLD,
      .camera = CASE_PERSPECTIVE,
      .lights = 2,
      .points = 2,
-     .fp32 = SUM,
-     .fp16 = HALF},
-    {.name = "table orthographic point", .brdf = GOLD, .points = 1, .fp32 = SUM, .fp16 = HALF},
-    {.name = "table distant viewer", .brdf = GOLD, .camera = CASE_DISTANT, .lights = 2, .fp32 = SUM, .fp16 = HALF},
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "table orthographic point", .brdf = GOLD, .points = 1, .fp32 = &sum, .fp16 = &half},
+    {.name = "table distant viewer", .brdf = GOLD, .camera = CASE_DISTANT, .lights = 2, .fp32 = &sum, .fp16 = &half},
     {.name = "table distant viewer, point",
      .brdf = GOLD,
      .camera = CASE_DISTANT,
      .lights = 1,
      .points = 1,
-     .fp32 = SUM,
-     .fp16 = HALF},
+     .fp32 = &sum,
+     .fp16 = &half},
     {.name = "table ambient, tint, exposure, shadow",
      .brdf = YELLOW,
      .lights = 1,
@@ -144,128 +103,133 @@ const frame_case frame_cases[] = {
      .tint = .7,
      .exposure = 1.5,
      .shadow = .4,
-     .fp32 = SUM,
-     .fp16 = HALF},
-    {.name = "table ambient alone", .brdf = YELLOW, .ambient = 2, .fp32 = SUM, .fp16 = HALF},
-    {.name = "fine 1 light", .model = CASE_FINE, .brdf = GOLD, .lights = 1, .fp32 = SUM, .fp16 = HALF},
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "table ambient alone", .brdf = YELLOW, .ambient = 2, .fp32 = &sum, .fp16 = &half},
+    {.name = "fine 1 light", .model = CASE_FINE, .brdf = GOLD, .lights = 1, .fp32 = &sum, .fp16 = &half},
     {.name = "fine 1 light sqrt",
      .model = CASE_FINE,
      .brdf = GOLD,
      .lights = 1,
      .output = SQRT,
-     .fp32 = ROOT,
-     .fp16 = HALF},
-    {.name = "fine 4 lights", .model = CASE_FINE, .brdf = YELLOW, .lights = 4, .fp32 = SUM, .fp16 = HALF},
+     .fp32 = &root,
+     .fp16 = &half},
+    {.name = "fine 4 lights", .model = CASE_FINE, .brdf = YELLOW, .lights = 4, .fp32 = &sum, .fp16 = &half},
     {.name = "fine perspective 1 light, 1 point",
      .model = CASE_FINE,
      .brdf = GOLD,
      .camera = CASE_PERSPECTIVE,
      .lights = 1,
      .points = 1,
-     .fp32 = SUM,
-     .fp16 = HALF},
-    {.name = "spheres 1 light", .model = CASE_SPHERES, .brdf = GOLD, .lights = 1, .fp32 = RIM, .fp16 = HALFRIM},
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "spheres 1 light", .model = CASE_SPHERES, .brdf = GOLD, .lights = 1, .fp32 = &rim, .fp16 = &half_rim},
     {.name = "spheres 1 light sqrt",
      .model = CASE_SPHERES,
      .brdf = GOLD,
      .lights = 1,
      .output = SQRT,
-     .fp32 = ROOT,
-     .fp16 = HALFRIM},
+     .fp32 = &root,
+     .fp16 = &half_rim},
     {.name = "spheres stored angle",
      .model = CASE_SPHERES,
      .brdf = GOLD,
      .lights = 1,
      .polar_deg = 45,
-     .fp32 = RIM,
-     .fp16 = HALFRIM},
+     .fp32 = &rim,
+     .fp16 = &half_rim},
     {.name = "spheres past the last angle",
      .model = CASE_SPHERES,
      .brdf = YELLOW,
      .lights = 1,
      .polar_deg = 150,
-     .fp32 = RIM,
-     .fp16 = HALFRIM},
-    {.name = "spheres 2 lights", .model = CASE_SPHERES, .brdf = YELLOW, .lights = 2, .fp32 = RIM, .fp16 = HALFRIM},
-    {.name = "spheres 4 lights", .model = CASE_SPHERES, .brdf = YELLOW, .lights = 4, .fp32 = RIM, .fp16 = HALFRIM},
-    {.name = "spheres 8 lights", .model = CASE_SPHERES, .brdf = GOLD, .lights = 8, .fp32 = RIM, .fp16 = HALFRIM},
+     .fp32 = &rim,
+     .fp16 = &half_rim},
+    {.name = "spheres 2 lights", .model = CASE_SPHERES, .brdf = YELLOW, .lights = 2, .fp32 = &rim, .fp16 = &half_rim},
+    {.name = "spheres 4 lights", .model = CASE_SPHERES, .brdf = YELLOW, .lights = 4, .fp32 = &rim, .fp16 = &half_rim},
+    {.name = "spheres 8 lights", .model = CASE_SPHERES, .brdf = GOLD, .lights = 8, .fp32 = &rim, .fp16 = &half_rim},
     {.name = "spheres perspective 1 light",
      .model = CASE_SPHERES,
      .brdf = GOLD,
      .camera = CASE_PERSPECTIVE,
      .lights = 1,
-     .fp32 = RIM,
-     .fp16 = HALFRIM},
+     .fp32 = &rim,
+     .fp16 = &half_rim},
     {.name = "spheres perspective 2 lights, 1 point",
      .model = CASE_SPHERES,
      .brdf = YELLOW,
      .camera = CASE_PERSPECTIVE,
      .lights = 2,
      .points = 1,
-     .fp32 = RIM,
-     .fp16 = HALFRIM},
+     .fp32 = &rim,
+     .fp16 = &half_rim},
     {.name = "spheres distant viewer",
      .model = CASE_SPHERES,
      .brdf = GOLD,
      .camera = CASE_DISTANT,
      .lights = 1,
-     .fp32 = RIM,
-     .fp16 = HALFRIM},
+     .fp32 = &rim,
+     .fp16 = &half_rim},
     {.name = "spheres ambient, tint",
      .model = CASE_SPHERES,
      .brdf = GOLD,
      .lights = 1,
      .ambient = .5,
      .tint = .6,
-     .fp32 = RIM,
-     .fp16 = HALFRIM},
-    {.name = "paper 1 light", .model = CASE_PAPER, .brdf = YELLOW, .lights = 1, .fp32 = TOE, .fp16 = HALF},
+     .fp32 = &rim,
+     .fp16 = &half_rim},
+    {.name = "paper 1 light", .model = CASE_PAPER, .brdf = YELLOW, .lights = 1, .fp32 = &toe, .fp16 = &half},
     {.name = "paper stored angle",
      .model = CASE_PAPER,
      .brdf = YELLOW,
      .lights = 1,
      .polar_deg = 90,
-     .fp32 = TOE,
-     .fp16 = HALF},
+     .fp32 = &toe,
+     .fp16 = &half},
     {.name = "paper past the last angle",
      .model = CASE_PAPER,
      .brdf = YELLOW,
      .lights = 1,
      .polar_deg = 150,
-     .fp32 = TOE,
-     .fp16 = HALF},
-    {.name = "paper 2 lights", .model = CASE_PAPER, .brdf = YELLOW, .lights = 2, .fp32 = SUM, .fp16 = HALF},
+     .fp32 = &toe,
+     .fp16 = &half},
+    {.name = "paper 2 lights", .model = CASE_PAPER, .brdf = YELLOW, .lights = 2, .fp32 = &sum, .fp16 = &half},
     {.name = "paper 4 lights linear",
      .model = CASE_PAPER,
      .brdf = YELLOW,
      .lights = 4,
      .output = LINEAR,
-     .fp32 = LIGHT,
-     .fp16 = HALF},
+     .fp32 = &light,
+     .fp16 = &half},
     {.name = "paper perspective 1 light, 1 point",
      .model = CASE_PAPER,
      .brdf = YELLOW,
      .camera = CASE_PERSPECTIVE,
      .lights = 1,
      .points = 1,
-     .fp32 = MIP,
-     .fp16 = HALF},
-    {.name = "teapot table 1 light", .brdf = GOLD, .mesh = "teapot", .lights = 1, .fp32 = MESHTOE, .fp16 = MESHHALF},
+     .fp32 = &mip,
+     .fp16 = &half},
+    {.name = "teapot table 1 light",
+     .brdf = GOLD,
+     .mesh = "teapot",
+     .lights = 1,
+     .fp32 = &mesh_toe,
+     .fp16 = &mesh_half},
     {.name = "teapot table perspective 4 lights",
      .brdf = YELLOW,
      .mesh = "teapot",
      .camera = CASE_PERSPECTIVE,
      .lights = 4,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "teapot spheres perspective 1 light",
      .model = CASE_SPHERES,
      .brdf = YELLOW,
      .mesh = "teapot",
      .camera = CASE_PERSPECTIVE,
      .lights = 1,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "torus fine perspective 2 lights, 1 point",
      .model = CASE_FINE,
      .brdf = GOLD,
@@ -273,30 +237,30 @@ const frame_case frame_cases[] = {
      .camera = CASE_PERSPECTIVE,
      .lights = 2,
      .points = 1,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "torus paper 2 lights",
      .model = CASE_PAPER,
      .brdf = YELLOW,
      .mesh = "torus",
      .lights = 2,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
-    {.name = "sphere table normal map", .brdf = GOLD, .lights = 1, .normal_map = 1, .fp32 = BUMP, .fp16 = HALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
+    {.name = "sphere table normal map", .brdf = GOLD, .lights = 1, .normal_map = 1, .fp32 = &bump, .fp16 = &half},
     {.name = "plane table normal map, point",
      .brdf = GOLD,
      .mesh = "plane",
      .points = 1,
      .normal_map = 1,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "torus table normal map 2 lights",
      .brdf = YELLOW,
      .mesh = "torus",
      .lights = 2,
      .normal_map = 1,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "torus spheres normal map perspective",
      .model = CASE_SPHERES,
      .brdf = YELLOW,
@@ -304,8 +268,8 @@ const frame_case frame_cases[] = {
      .camera = CASE_PERSPECTIVE,
      .lights = 1,
      .normal_map = 1,
-     .fp32 = MESHSUM,
-     .fp16 = MESHHALF},
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
 };
 const int frame_case_count = sizeof frame_cases / sizeof *frame_cases;
 
@@ -314,9 +278,9 @@ const int frame_case_count = sizeof frame_cases / sizeof *frame_cases;
 void case_scene(scene *s, const frame_case *c, const mesh *shape, int width, int height)
 {
     /* polar, azimuth, power: no two alike, some grazing, one behind */
-    static const double light[8][5] = {{35, 40, 2.2, 2.2, 2.2}, {70, 200, .9, 1.1, 1.4}, {110, 300, 1.5, 1.2, .9},
-                                       {60, 120, .5, .4, .6},   {15, 0, .3, .3, .4},     {85, 270, .7, .8, .6},
-                                       {100, 30, 1, .9, 1.1},   {50, 330, .4, .6, .3}};
+    static const double direction[8][5] = {{35, 40, 2.2, 2.2, 2.2}, {70, 200, .9, 1.1, 1.4}, {110, 300, 1.5, 1.2, .9},
+                                           {60, 120, .5, .4, .6},   {15, 0, .3, .3, .4},     {85, 270, .7, .8, .6},
+                                           {100, 30, 1, .9, 1.1},   {50, 330, .4, .6, .3}};
     static const double place[2][3] = {{1.4, 1.1, 1.8}, {-1.6, 0.4, 1.2}}, strength[2][3] = {{6, 6, 6}, {3, 4, 5}};
     const scene_camera camera = {.kind = c->camera == CASE_ORTHO ? SCENE_CAMERA_ORTHO : SCENE_CAMERA_FIT,
                                  .yaw_deg = c->mesh ? 25 : 0,
@@ -332,13 +296,14 @@ void case_scene(scene *s, const frame_case *c, const mesh *shape, int width, int
     }
     s->distant_viewer = c->camera == CASE_DISTANT;
     s->output = c->output;
-    s->exposure = c->exposure > 0 ? c->exposure : 1;
+    s->exposure = c->exposure > 0 ? c->exposure : 2.5; /* bright enough for errors to show */
     for (k = 0; k < 3; k++) {
         s->ambient[k] = c->ambient;
         s->tint[k] = c->tint > 0 ? pow(c->tint, k) : 1;
     }
     for (i = 0; i < c->lights; i++)
-        scene_add_light(s, i == 0 && c->polar_deg > 0 ? c->polar_deg : light[i][0], light[i][1], &light[i][2]);
+        scene_add_light(s, i == 0 && c->polar_deg > 0 ? c->polar_deg : direction[i][0], direction[i][1],
+                        &direction[i][2]);
     for (i = 0; i < c->points; i++) {
         /* places are about the mesh's centre */
         double at[3] = {place[i][0], place[i][1], place[i][2] + s->object_to_view[14]};

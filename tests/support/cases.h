@@ -24,16 +24,16 @@ typedef struct frame_case {
     const char *brdf;
     const char *mesh;
     case_camera camera;
-    int lights, points; /* so many of the fixed sets */
-    int output;         /* nacre_output */
-    int normal_map;     /* 1: the bumpy one */
-    double exposure;    /* 0: 1 */
-    double ambient;     /* irradiance, grey */
-    double tint;        /* 0: white; else r = 1, g = tint, b = tint squared */
-    double shadow;      /* of the first light */
-    double polar_deg;   /* of the first light, when not 0 */
-    compare_bound fp32; /* against double, fragment arithmetic in fp32 */
-    compare_bound fp16; /* mediump really being fp16 */
+    int lights, points;        /* so many of the fixed sets */
+    int output;                /* nacre_output */
+    int normal_map;            /* 1: the bumpy one */
+    double exposure;           /* 0: 2.5 */
+    double ambient;            /* irradiance, grey */
+    double tint;               /* 0: white; else r = 1, g = tint, b = tint squared */
+    double shadow;             /* of the first light */
+    double polar_deg;          /* of the first light, when not 0 */
+    const compare_bound *fp32; /* against double, fragment arithmetic in fp32 */
+    const compare_bound *fp16; /* mediump really being fp16 */
 } frame_case;
 
 extern const frame_case frame_cases[];

@@ -101,7 +101,7 @@ static void make_asset(kit *k, kit_model model)
         int format, width, height, layers, levels;
     } shape[KIT_MODELS] = {
         [KIT_TABLE] = {NACRE_FORMAT_RGBA8, 24, 21, 0, 1},    [KIT_FINE] = {NACRE_FORMAT_RGBA8, 8, 5, 2, 1},
-        [KIT_SPHERES] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},  [KIT_PAPER] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},
+        [KIT_SPHERES] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},  [KIT_PAPER] = {NACRE_FORMAT_RGBA8, 128, 128, 4, 8},
         [KIT_ETC1] = {NACRE_FORMAT_ETC2_RGB8, 16, 16, 3, 5}, [KIT_RGB565] = {NACRE_FORMAT_RGB565, 20, 12, 5, 2},
         [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
     };

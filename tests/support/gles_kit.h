@@ -12,7 +12,7 @@ typedef enum kit_model {
     KIT_TABLE,   /* 24 x 21, p = 4.8, phi_d */
     KIT_FINE,    /* two layers, p = 4 */
     KIT_SPHERES, /* 4 layers of 32 x 32, 6 levels */
-    KIT_PAPER,   /* the same, cosine in the image */
+    KIT_PAPER,   /* the same of 128 x 128, 8 levels, cosine in the image */
     KIT_ETC1,    /* spheres of ETC1 blocks */
     KIT_RGB565,  /* spheres, 5 layers of 20 x 12, mips cut short */
     KIT_NORMAL,  /* 8 x 8 normal map, RGB8 */

@@ -96,14 +96,14 @@ static void logarithm(void **unused)
 
         note(fx_log2_u64(x) - (double)log2l((long double)x) * 65536, (double)x);
     }
-    check("log2_u64", 1);
+    check("log2_u64", 0.51);
     assert_int_equal(fx_log2_u64(UINT64_MAX), 64 * 65536);
     for (uint32_t i = 0; i < 200000; i++) {
         const nacre_q16 x = (nacre_q16)(i < 100000 ? i + 1 : (any_size() >> 33) + 1);
 
         note(fx_log2_q16(x) - log2(x / 65536.) * 65536, x);
     }
-    check("log2_q16", 1);
+    check("log2_q16", 0.51);
     assert_int_equal(fx_log2_q16(0), FX_LOG2_ZERO);
     assert_int_equal(fx_log2_q16(-1), FX_LOG2_ZERO);
 }
@@ -118,7 +118,7 @@ static void exponential(void **unused)
     (void)unused;
     for (int32_t i = -63 * 65536; i <= 63 * 65536; i += 7) note(value(fx_real_exp2(i)) / exp2(i / 65536.) - 1, i);
     for (int32_t i = 0; i < 65536; i++) note(value(fx_real_exp2(i)) / exp2(i / 65536.) - 1, i);
-    check("exp2", 1. / (1 << 24)); /* far inside 2^-15 */
+    check("exp2", 1. / (1 << 26));
     assert_int_equal(fx_real_exp2(-64 * 65536).m, 0);
     assert_int_equal(fx_real_exp2((int64_t)FX_LOG2_ZERO * 8).m, 0);
 }
@@ -132,7 +132,7 @@ static void sine_and_cosine(void **unused)
         note(fx_sin_q28(turn) / 268435456. - sin(turn * (PI / 2147483648.)), turn);
         note(fx_cos_q28(turn) / 268435456. - cos(turn * (PI / 2147483648.)), turn);
     }
-    check("sin, cos", 1. / (1 << 26));
+    check("sin, cos", 1. / (1 << 27));
     assert_int_equal(fx_sin_q28(0), 0);
     assert_int_equal(fx_sin_q28(1u << 30), FX_Q28_ONE);
     assert_int_equal(fx_cos_q28(0), FX_Q28_ONE);
@@ -157,7 +157,7 @@ static void arctangent(void **unused)
         error -= round(error);
         note(error, (double)y);
     }
-    check("atan2, turns", 1. / (1 << 24));
+    check("atan2, turns", 1. / (1 << 28));
     assert_int_equal(fx_atan2(0, 0), 0);
     assert_int_equal(fx_atan2(0, 5), 0);
     assert_int_equal(fx_atan2(0, -5), 0x80000000u);
@@ -194,7 +194,7 @@ static void normalizing(void **unused)
         const double length = sqrt((double)v[0] * v[0] + (double)v[1] * v[1] + (double)v[2] * v[2]);
         for (int k = 0; k < 3; k++) note(unit[k] - v[k] / length * 268435456., i);
     }
-    check("normalize", 4);
+    check("normalize", 1);
     const int64_t none[3] = {0, 0, 0};
     int32_t kept[3] = {1, 2, 3};
     assert_int_equal(fx_normalize_q28(none, kept), 0);
@@ -220,7 +220,7 @@ static void wide_numbers(void **unused)
 
         note(fx_real_log2_q16(a) - log2(value(a)) * 65536, value(a));
     }
-    check("real log2", 1);
+    check("real log2", 0.51);
     assert_int_equal(fx_real_log2_q16(fx_real_make(-3, 0)), FX_LOG2_ZERO);
     assert_int_equal(fx_real_fixed(fx_real_make(3, -1), 16), 98304);
     assert_int_equal(fx_real_fixed(fx_real_make(-3, -1), 16), -98304);
@@ -232,9 +232,15 @@ static void wide_numbers(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(top_bit_finds_every_bit), cmocka_unit_test(isqrt_is_exact),  cmocka_unit_test(roots_of_q16),
-        cmocka_unit_test(logarithm),               cmocka_unit_test(exponential),     cmocka_unit_test(sine_and_cosine),
-        cmocka_unit_test(arctangent),              cmocka_unit_test(division_rounds), cmocka_unit_test(normalizing),
+        cmocka_unit_test(top_bit_finds_every_bit),
+        cmocka_unit_test(isqrt_is_exact),
+        cmocka_unit_test(roots_of_q16),
+        cmocka_unit_test(logarithm),
+        cmocka_unit_test(exponential),
+        cmocka_unit_test(sine_and_cosine),
+        cmocka_unit_test(arctangent),
+        cmocka_unit_test(division_rounds),
+        cmocka_unit_test(normalizing),
         cmocka_unit_test(wide_numbers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

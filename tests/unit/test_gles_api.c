@@ -228,7 +228,7 @@ static void texture_bytes_are_what_gl_got(void **state)
         kit_model model;
         int es2_levels, es3_levels;
     } cases[] = {
-        {KIT_TABLE, 1, 1}, {KIT_FINE, 1, 1},   {KIT_SPHERES, 6, 6}, {KIT_PAPER, 6, 6},
+        {KIT_TABLE, 1, 1}, {KIT_FINE, 1, 1},   {KIT_SPHERES, 6, 6}, {KIT_PAPER, 8, 8},
         {KIT_ETC1, 5, 5},  {KIT_RGB565, 1, 2}, /* 20 x 12, cut short: ES 2.0 can't filter it with mips */
     };
     for (int es = 2; es <= 3; es++)
@@ -268,10 +268,20 @@ static void small_devices_start_at_a_smaller_level(void **state)
     (void)state;
     world w;
     open_world(&w, &(fake_gl_options){.max_texture = 64}, NULL);
+    add(&w, KIT_PAPER, 0);
+    assert_int_equal(nacre_gles_texture_bytes(w.gles), texel_bytes(KIT_PAPER, 8) - texel_bytes(KIT_PAPER, 1));
+    assert_int_equal(fake_gl_texture_bytes(), nacre_gles_texture_bytes(w.gles));
     close_world(&w);
-    open_world(&w, &(fake_gl_options){.es = 3, .max_texture = 64}, NULL);
-    add(&w, KIT_SPHERES, 0);
-    assert_int_equal(nacre_gles_texture_bytes(w.gles), texel_bytes(KIT_SPHERES, 6));
+    /* no level fits */
+    open_world(&w, &(fake_gl_options){.max_texture = 64}, NULL);
+    nacre_material m = kit_material(&assets, KIT_PAPER, 0);
+    nacre_image large = assets.image[KIT_PAPER];
+    nacre_gles_item item = {7};
+    large.levels = 1;
+    m.image[NACRE_ROLE_SPHERES] = &large;
+    assert_int_equal(nacre_gles_add(w.gles, &assets.ball, &m, &item), NACRE_ERR_UNSUPPORTED);
+    assert_int_equal(item.id, 7);
+    assert_int_equal(fake_gl_live(), 0);
     close_world(&w);
 }
 

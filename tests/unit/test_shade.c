@@ -35,7 +35,7 @@ static double real(fx_real x)
     } while (0)
 
 /* relative */
-#define CLOSE(a, b, bound) NEAR(a, b, (bound) * fabs((double)(b)))
+#define CLOSE(a, b, bound) NEAR(a, b, (bound)*fabs((double)(b)))
 
 /* Factors go through eight logarithms of 2^-17 each, times at most 4.8. */
 #define FACTOR_ERROR 2e-4
@@ -144,7 +144,8 @@ static void one_table_light(double polar, double azimuth)
     for (i = 0; i < 3; i++) {
         NEAR(q28(t->to_light_q28[i]), l[i], DIRECTION_ERROR);
         NEAR(q28(t->slope_q28[i]), l[i] - (i == 2), DIRECTION_ERROR);
-        NEAR(q28(t->half_q28[i]), (l[i] + (i == 2)) / (2 * lh), DIRECTION_ERROR + 4e-9 / (lh * lh)); /* 1 + l.v has 2^-28 steps */
+        NEAR(q28(t->half_q28[i]), (l[i] + (i == 2)) / (2 * lh),
+             DIRECTION_ERROR + 4e-9 / (lh * lh)); /* 1 + l.v has 2^-28 steps */
     }
     NEAR(q28(t->row_q28), ((0.7 * s + 0.3 * s * s) * 20 + 0.5) / 21, 1e-7);
     const double scale = pow(ymax, p) / (PI * e) / lh;
@@ -155,7 +156,7 @@ static void one_table_light(double polar, double azimuth)
     CLOSE(real(frame.light[0].factor[0]), sqrt(2 * scale), FACTOR_ERROR);
     CLOSE(real(frame.light[0].linear[0]), 2 * scale, FACTOR_ERROR);
     shade_setup(&frame, &view, origin, &m, SHADE_SRGB, 0, 8);
-    CLOSE(real(frame.light[0].factor[0]), 1.055 * pow(2 * scale, 1 / 2.4), FACTOR_ERROR);
+    CLOSE(real(frame.light[0].factor[0]), 1.055 * pow(2 * scale / 8192, 1 / 2.4), FACTOR_ERROR);
 }
 
 static void table_lights(void **unused)
@@ -333,7 +334,8 @@ static void distant_viewer_turns(void **unused)
             NEAR(q28(row[0]) * v[0] + q28(row[1]) * v[1] + q28(row[2]) * v[2], i == 2, 1e-7);
             for (int j = 0; j < 3; j++) {
                 const int32_t *other = frame.turn_q28[j];
-                const double dot = q28(row[0]) * q28(other[0]) + q28(row[1]) * q28(other[1]) + q28(row[2]) * q28(other[2]);
+                const double dot =
+                    q28(row[0]) * q28(other[0]) + q28(row[1]) * q28(other[1]) + q28(row[2]) * q28(other[2]);
 
                 NEAR(dot, i == j, 1e-7);
             }
@@ -455,7 +457,8 @@ static void paper_turns(void **unused)
 
                 for (int part = 0; part < 2; part++) {
                     const int c = 2 * part + i;
-                    const double got = q28(t->turn_q28[0][c]) + s * (q28(t->turn_q28[1][c]) + s * q28(t->turn_q28[2][c]));
+                    const double got =
+                        q28(t->turn_q28[0][c]) + s * (q28(t->turn_q28[1][c]) + s * q28(t->turn_q28[2][c]));
 
                     NEAR(got, part ? cos(k * d) : sin(k * d), 0.1 / 256 + 1e-4);
                 }
@@ -471,9 +474,9 @@ static void paper_turns(void **unused)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(table_lights),         cmocka_unit_test(table_constants), cmocka_unit_test(light_scales),
-        cmocka_unit_test(point_lights),         cmocka_unit_test(camera_cases),    cmocka_unit_test(distant_viewer_turns),
-        cmocka_unit_test(spheres_lights),       cmocka_unit_test(spheres_layers),  cmocka_unit_test(paper_turns),
+        cmocka_unit_test(table_lights),   cmocka_unit_test(table_constants), cmocka_unit_test(light_scales),
+        cmocka_unit_test(point_lights),   cmocka_unit_test(camera_cases),    cmocka_unit_test(distant_viewer_turns),
+        cmocka_unit_test(spheres_lights), cmocka_unit_test(spheres_layers),  cmocka_unit_test(paper_turns),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

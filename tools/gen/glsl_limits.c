@@ -105,7 +105,8 @@ static long primary(cursor *c)
 
 static long expression(cursor *c, int level)
 {
-    static const char *const operators[6][4] = {{"||"}, {"&&"}, {"==", "!="}, {"<=", ">=", "<", ">"}, {"+", "-"}, {"*", "/"}};
+    static const char *const operators[6][4] = {{"||"},     {"&&"},    {"==", "!="}, {"<=", ">=", "<", ">"},
+                                                {"+", "-"}, {"*", "/"}};
     if (level == 6) return primary(c);
     long left = expression(c, level + 1);
     for (;;) {
@@ -114,15 +115,33 @@ static long expression(cursor *c, int level)
         if (i == 4 || !operators[level][i]) return left;
         const long right = expression(c, level + 1);
         switch (operators[level][i][0]) {
-        case '|': left = left || right; break;
-        case '&': left = left && right; break;
-        case '=': left = left == right; break;
-        case '!': left = left != right; break;
-        case '<': left = operators[level][i][1] ? left <= right : left < right; break;
-        case '>': left = operators[level][i][1] ? left >= right : left > right; break;
-        case '+': left += right; break;
-        case '-': left -= right; break;
-        case '*': left *= right; break;
+        case '|':
+            left = left || right;
+            break;
+        case '&':
+            left = left && right;
+            break;
+        case '=':
+            left = left == right;
+            break;
+        case '!':
+            left = left != right;
+            break;
+        case '<':
+            left = operators[level][i][1] ? left <= right : left < right;
+            break;
+        case '>':
+            left = operators[level][i][1] ? left >= right : left > right;
+            break;
+        case '+':
+            left += right;
+            break;
+        case '-':
+            left -= right;
+            break;
+        case '*':
+            left *= right;
+            break;
         default:
             if (!right) stop(c->t, "division by zero", c->at);
             left /= right;
@@ -135,8 +154,8 @@ static long expression(cursor *c, int level)
 static const struct type {
     const char *name;
     int rows, columns;
-} types[] = {{"mat4", 4, 4}, {"mat3", 3, 3}, {"mat2", 2, 4}, {"vec4", 1, 4}, {"vec3", 1, 3}, {"vec2", 1, 2}, {"float", 1, 1},
-             {"int", 1, 1},  {"bool", 1, 1}, {NULL, 0, 0}};
+} types[] = {{"mat4", 4, 4}, {"mat3", 3, 3},  {"mat2", 2, 4}, {"vec4", 1, 4}, {"vec3", 1, 3},
+             {"vec2", 1, 2}, {"float", 1, 1}, {"int", 1, 1},  {"bool", 1, 1}, {NULL, 0, 0}};
 
 static void next_word(cursor *c, char *out, size_t size)
 {
@@ -237,8 +256,10 @@ static void directive(text *t, state *s, const char *line)
         int value = 0;
         n = 0;
         while (is_word(c.at[n])) n++;
-        if (live && !strcmp(kind, "if")) value = condition(t, c.at);
-        else if (live) value = (value_of(t, c.at, n) != NULL) == !strcmp(kind, "ifdef");
+        if (live && !strcmp(kind, "if"))
+            value = condition(t, c.at);
+        else if (live)
+            value = (value_of(t, c.at, n) != NULL) == !strcmp(kind, "ifdef");
         if (++s->depth == 32) stop(t, "nested too deeply", line);
         s->live[s->depth] = live && value;
         s->taken[s->depth] = !live || value;
@@ -266,8 +287,10 @@ static void read_text(text *t, const char *path, int vertex)
     define(t, "GL_FRAGMENT_PRECISION_HIGH 1");
     while (fgets(line, sizeof line, file)) {
         const char *start = line + strspn(line, " \t");
-        if (*start == '#') directive(t, &s, start);
-        else if (s.live[s.depth]) declaration(t, start, vertex);
+        if (*start == '#')
+            directive(t, &s, start);
+        else if (s.live[s.depth])
+            declaration(t, start, vertex);
     }
     fclose(file);
     if (s.depth) stop(t, "#if without #endif", "");
@@ -313,6 +336,7 @@ static int vectors(const variable *v, int count)
                 (v[i].columns == v[best].columns && v[i].rows * v[i].count > v[best].rows * v[best].count))
                 best = i;
         }
+        if (best < 0) break;
         done[best] = 1;
         const int end = place(&g, &v[best]);
         if (end > most) most = end;
