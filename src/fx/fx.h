@@ -29,12 +29,6 @@ int fx_top_bit(uint64_t x);
 /* floor(sqrt(x)), exact. */
 uint32_t fx_isqrt(uint64_t x);
 
-/* sqrt of a q16 >= 0 (negative: 0), to nearest: worst 0.5 ulp. */
-nacre_q16 fx_sqrt_q16(nacre_q16 x);
-
-/* 1/sqrt(x) of a q16 > 0 (0 and below: INT32_MAX), worst 1 ulp or 2^-15 relative. */
-nacre_q16 fx_rsqrt_q16(nacre_q16 x);
-
 /* log2 of the integer x > 0, in q16: 0 .. 64 * 65536; worst 0.51 ulp (ulp: 2^-16). log2 of a q16 is this minus 16 * 65536. */
 int32_t fx_log2_u64(uint64_t x);
 

@@ -135,7 +135,7 @@ void shade_spheres_prepare(shade_spheres_draw *out, const shade_spheres *spheres
     out->half_disc_q28 = disc;
     for (i = 0; i < SHADE_MAX_UNITS; i++) {
         const int unit = i < count ? i : count - 1;
-        const int layer = count > 1 ? (unit * (spheres->layers - 1) + (count - 1) / 2) / (count - 1) : 0;
+        const int layer = count > 1 ? (int)fx_div((int64_t)unit * (spheres->layers - 1), count - 1) : 0;
         const uint32_t polar = polar_turn(spheres, layer);
         fx_real none = {0, 0};
 

@@ -20,7 +20,7 @@ if [ -d "$build/m0" ]; then
             echo "$own" | grep -qx "$s" && continue
             echo "$s" | grep -Eq "$allowed" && continue
             case $o in
-            */fx_div.o | */setup*.o | */image.o) echo "$s" | grep -Eq "$division" && continue ;;
+            */fx_div.o | */setup.o) echo "$s" | grep -Eq "$division" && continue ;;
             esac
             complain "$o calls $s"
         done

@@ -67,27 +67,6 @@ static void isqrt_is_exact(void **unused)
     }
 }
 
-static void roots_of_q16(void **unused)
-{
-    (void)unused;
-    for (uint32_t i = 0; i < 400000; i++) {
-        const nacre_q16 x = (nacre_q16)(i < 100000 ? i : any_size() >> 33);
-
-        note(fx_sqrt_q16(x) - sqrt(x / 65536.) * 65536, x);
-    }
-    check("sqrt", 0.5 + 1e-6);
-    assert_int_equal(fx_sqrt_q16(-5), 0);
-    for (uint32_t i = 0; i < 400000; i++) {
-        const nacre_q16 x = (nacre_q16)(i < 100000 ? i + 1 : (any_size() >> 33) + 1);
-        const double exact = 65536 / sqrt(x / 65536.);
-
-        note((fx_rsqrt_q16(x) - exact) / (1 + exact / 32768), x);
-    }
-    check("rsqrt", 1);
-    assert_int_equal(fx_rsqrt_q16(0), INT32_MAX);
-    assert_int_equal(fx_rsqrt_q16(INT32_MIN), INT32_MAX);
-}
-
 static void logarithm(void **unused)
 {
     (void)unused;
@@ -234,7 +213,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(top_bit_finds_every_bit),
         cmocka_unit_test(isqrt_is_exact),
-        cmocka_unit_test(roots_of_q16),
         cmocka_unit_test(logarithm),
         cmocka_unit_test(exponential),
         cmocka_unit_test(sine_and_cosine),
