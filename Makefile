@@ -32,7 +32,17 @@ endif
 CFLAGS ?=
 RUNTIME_FLAGS = -std=c99 -pedantic $(WARNINGS) $(CONFIG_FLAGS) -fPIC -ffunction-sections -MMD -MP $(CFLAGS)
 HOST_FLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) $(CONFIG_FLAGS) -fopenmp -MMD -MP $(CFLAGS)
-HOST_LIBS := -lassimp -lpng -lEGL -lm -ldl
+HOST_LIBS := -lassimp -lpng -lm -ldl
+
+# V=1 shows the commands. Targets that build before they run use every core unless -j says otherwise.
+ifdef V
+  say = @:
+else
+  Q := @
+  say = @echo "  $(1)"
+endif
+JOBS := $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null || echo 2))
+SUBMAKE = $(MAKE) --no-print-directory
 
 # ---- rooms: each is built with -I for exactly the rooms it may include ---------------------------
 ROOMS := fx asset shade gles
@@ -77,70 +87,81 @@ all: $(LIB) $(O)/libnacre.so $(TOOL)
 
 $(LIB): $(RUNTIME_OBJECTS)
 	@rm -f $@
-	$(AR) rcsD $@ $^
+	$(call say,ar $@)
+	$(Q)$(AR) rcsD $@ $^
 
 $(SHARED): $(RUNTIME_OBJECTS) src/libnacre.map
-	$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=src/libnacre.map -Wl,--no-undefined $(CONFIG_FLAGS) \
+	$(call say,ld $@)
+	$(Q)$(CC) -shared -Wl,-soname,$(SONAME) -Wl,--version-script=src/libnacre.map -Wl,--no-undefined $(CONFIG_FLAGS) \
 	  -o $@ $(RUNTIME_OBJECTS) $(LDFLAGS)
 
 $(O)/libnacre.so: $(SHARED)
-	ln -sf $(notdir $(SHARED)) $(O)/$(SONAME)
-	ln -sf $(SONAME) $@
+	@ln -sf $(notdir $(SHARED)) $(O)/$(SONAME)
+	@ln -sf $(SONAME) $@
 
 $(TOOLS_LIB): $(TOOLS_LIB_OBJECTS)
 	@rm -f $@
-	$(AR) rcsD $@ $^
+	$(call say,ar $@)
+	$(Q)$(AR) rcsD $@ $^
 
 $(TOOL): $(TOOL_OBJECTS) $(TOOLS_LIB) $(LIB)
-	$(CC) $(CONFIG_FLAGS) -fopenmp -o $@ $^ $(HOST_LIBS) $(LDFLAGS)
+	$(call say,ld $@)
+	$(Q)$(CC) $(CONFIG_FLAGS) -fopenmp -o $@ $^ $(HOST_LIBS) $(LDFLAGS)
 
 $(DEMO): $(O)/tools/demo.o $(TOOLS_LIB) $(LIB)
-	$(CC) $(CONFIG_FLAGS) -fopenmp -o $@ $^ $(HOST_LIBS) $(LDFLAGS)
+	$(call say,ld $@)
+	$(Q)$(CC) $(CONFIG_FLAGS) -fopenmp -o $@ $^ $(HOST_LIBS) $(LDFLAGS)
 
 define room_rule
 $(O)/src/$(1)/%.o: src/$(1)/%.c Makefile
 	@mkdir -p $$(@D)
-	$(CC) $(RUNTIME_FLAGS) $(INC_$(1)) -c -o $$@ $$<
+	$$(call say,cc $$<)
+	$(Q)$(CC) $(RUNTIME_FLAGS) $(INC_$(1)) -c -o $$@ $$<
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
 $(O)/tools/lib/%.o: tools/lib/%.c Makefile
 	@mkdir -p $(@D)
-	$(CC) $(HOST_FLAGS) $(INC_tools_lib) -c -o $@ $<
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_tools_lib) -c -o $@ $<
 
 $(O)/tools/%.o: tools/%.c Makefile
 	@mkdir -p $(@D)
-	$(CC) $(HOST_FLAGS) $(INC_tools) -c -o $@ $<
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_tools) -c -o $@ $<
 
 # Generators run on the building machine, without sanitizers.
 $(O)/gen/embed: tools/gen/embed.c Makefile
 	@mkdir -p $(@D)
-	$(CC) -std=c11 -O1 $(WARNINGS) -o $@ $<
+	$(call say,cc $<)
+	$(Q)$(CC) -std=c11 -O1 $(WARNINGS) -o $@ $<
 
 $(O)/embedded/%.c: shaders_gles/% $(O)/gen/embed
 	@mkdir -p $(@D)
-	$(O)/gen/embed $< >$@
+	$(Q)$(O)/gen/embed $< >$@
 
 $(O)/embedded/%.c: fixtures/in/% $(O)/gen/embed
 	@mkdir -p $(@D)
-	$(O)/gen/embed $< >$@
+	$(Q)$(O)/gen/embed $< >$@
 
 $(O)/embedded/%.o: $(O)/embedded/%.c
-	$(CC) -std=c99 -O0 -fPIC -c -o $@ $<
+	$(Q)$(CC) -std=c99 -O0 -fPIC -c -o $@ $<
 
 $(O)/gen/shader_list: tools/gen/shader_list.c $(LIB) Makefile
 	@mkdir -p $(@D)
-	$(CC) $(HOST_FLAGS) $(INC_gen) -o $@ $< $(LIB)
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_gen) -o $@ $< $(LIB)
 
 $(O)/gen/glsl_limits: tools/gen/glsl_limits.c Makefile
 	@mkdir -p $(@D)
-	$(CC) $(HOST_FLAGS) $(INC_gen) -o $@ $<
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_gen) -o $@ $<
 
 # ---- seeing it -----------------------------------------------------------------------------------
 
 ## demo: bake and draw measured materials; pictures in out/
 demo: deps-demo
-	@$(MAKE) --no-print-directory $(DEMO)
+	@$(SUBMAKE) $(JOBS) $(DEMO)
 	@mkdir -p out
 	$(DEMO) out
 
@@ -148,7 +169,8 @@ demo: deps-demo
 shaders: $(BUILD)/shaders/.done
 $(BUILD)/shaders/.done: $(O)/gen/shader_list
 	@rm -rf $(@D) && mkdir -p $(@D)
-	$< $(@D)
+	$(call say,shaders $(@D))
+	$(Q)$< $(@D)
 	@touch $@
 
 ## sizes: bytes of code, data, stack and public structs, x86-64 and Cortex-M4
@@ -162,18 +184,20 @@ bench: all
 # ---- tests ---------------------------------------------------------------------------------------
 $(O)/tests/%.o: tests/%.c Makefile
 	@mkdir -p $(@D)
-	$(CC) $(HOST_FLAGS) $(INC_tests) -c -o $@ $<
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_tests) -c -o $@ $<
 
 $(O)/tests/%: $(O)/tests/%.o $(SUPPORT) $(TOOLS_LIB) $(LIB)
-	$(CC) $(CONFIG_FLAGS) -fopenmp -o $@ $^ -lcmocka $(HOST_LIBS) $(LDFLAGS)
+	$(call say,ld $@)
+	$(Q)$(CC) $(CONFIG_FLAGS) -fopenmp -o $@ $^ -lcmocka $(HOST_LIBS) $(LDFLAGS)
 
 tests: $(UNIT) $(FAULT) $(FRAME) $(BUDGET)
 
 ## test: all tests (release; readers and fault tests again under ASan + UBSan); ends with cmocka's lines
 test: deps-test
-	@$(MAKE) --no-print-directory all tests $(BUILD)/shaders/.done budget $(DEMO)
-	@$(MAKE) --no-print-directory config=sanitize sanitize-tests
-	@$(MAKE) --no-print-directory run-tests
+	@$(SUBMAKE) $(JOBS) all tests $(BUILD)/shaders/.done budget $(DEMO)
+	@$(SUBMAKE) $(JOBS) config=sanitize sanitize-tests
+	@$(SUBMAKE) run-tests
 
 sanitize-tests: $(TOOL) $(UNIT) $(FAULT)
 
@@ -185,18 +209,18 @@ budget: $(LIB)
 
 ## check-long: what takes long: fuzzing, every byte value, big sweeps
 check-long: deps-check-long
-	@$(MAKE) --no-print-directory test
+	@$(SUBMAKE) test
 	@sh tests/check_long.sh $(BUILD)
 
 C_FILES = $(wildcard include/*.h src/*/*.[ch] tools/*.[ch] tools/lib/*.[ch] tools/gen/*.[ch] tests/*/*.[ch] tests/*/*.cc)
 ## lint: formatting, warnings of two compilers as errors, cppcheck, every shader text against GLSL ES and its limits
 lint: $(O)/gen/glsl_limits
 	clang-format --dry-run -Werror $(C_FILES)
-	@$(MAKE) --no-print-directory BUILD=$(BUILD)/lint-gcc CC=gcc werror=1 all tests $(BUILD)/lint-gcc/release/nacre-demo
-	@$(MAKE) --no-print-directory BUILD=$(BUILD)/lint-clang CC=$(CLANG) werror=1 all tests $(BUILD)/lint-clang/release/nacre-demo
+	@$(SUBMAKE) $(JOBS) BUILD=$(BUILD)/lint-gcc CC=gcc werror=1 all tests $(BUILD)/lint-gcc/release/nacre-demo
+	@$(SUBMAKE) $(JOBS) BUILD=$(BUILD)/lint-clang CC=$(CLANG) werror=1 all tests $(BUILD)/lint-clang/release/nacre-demo
 	cppcheck --quiet --std=c99 --enable=warning,performance,portability --inline-suppr --error-exitcode=1 \
 	  --suppress=missingIncludeSystem --suppress=preprocessorErrorDirective -Iinclude $(ROOMS:%=-Isrc/%) -Itools/lib src tools/lib tools/*.c tools/gen
-	@$(MAKE) --no-print-directory shaders
+	@$(SUBMAKE) shaders
 	@sh tests/lint_shaders.sh $(BUILD)/shaders $(O)/gen/glsl_limits
 
 # ---- installing ----------------------------------------------------------------------------------

@@ -169,11 +169,10 @@ static void figures(void **state)
     print_message("\n");
     if (SLOW_BUILD) return;
 
-    /* Published on 40 measured tables, mean / least: 4 images 32.4 / 28.0, 6 images 36.1 / 31.4. Fits are smoother than
-       measurements and so somewhat nearer, never further: those figures are the lower bounds, and 8 dB above them would
-       mean that something else is compared. Two more images gain 3.7 dB there. */
-    assert_true(mean(&t[PAPER4]) >= 32.4 && mean(&t[PAPER4]) <= 40.4 && t[PAPER4].least >= 28.0);
-    assert_true(mean(&t[PAPER6]) >= 36.1 && mean(&t[PAPER6]) <= 44.1 && t[PAPER6].least >= 31.4);
+    /* The method was measured elsewhere on 40 measured tables, mean / least: 4 images 32.4 / 28.0, 6 images 36.1 / 31.4.
+       The mean of eight fits of such tables may differ from that of 40 by a decibel; none may fall below the least. */
+    assert_true(fabs(mean(&t[PAPER4]) - 32.4) <= 1 && t[PAPER4].least >= 28.0);
+    assert_true(fabs(mean(&t[PAPER6]) - 36.1) <= 1 && t[PAPER6].least >= 31.4);
     assert_true(mean(&t[PAPER6]) - mean(&t[PAPER4]) >= 1.5);
     /* the method's error, not the texels': a quarter of the resolution costs little */
     assert_true(fabs(mean(&t[PAPER4]) - mean(&t[PAPER4_SMALL])) < 1);

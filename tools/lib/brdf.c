@@ -177,7 +177,8 @@ const char *const *brdf_names(size_t *count)
 int brdf_eval_cosine(const brdf *b, const double to_light[3], const double to_eye[3], double out[3])
 {
     out[0] = out[1] = out[2] = 0;
-    if (!(to_light[2] > 0 && to_eye[2] > 0)) return 1; /* black by definition, not for want of data */
+    /* black by definition, not for want of data */
+    if (!(to_eye[2] > 0 && (to_light[2] > 0 || b->lit_past_terminator))) return 1;
     if (b->eval_cosine) return b->eval_cosine(b, to_light, to_eye, out);
     int valid = b->eval(b, to_light, to_eye, out);
     for (int c = 0; c < 3; c++) out[c] *= to_light[2];

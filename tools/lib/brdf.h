@@ -14,6 +14,7 @@ struct brdf {
     int (*eval)(const brdf *b, const double to_light[3], const double to_eye[3], double f_r[3]);
     /* f_r x max(to_light z, 0), for sources that store that product (NULL: eval x cosine). */
     int (*eval_cosine)(const brdf *b, const double to_light[3], const double to_eye[3], double out[3]);
+    int lit_past_terminator; /* eval_cosine also answers for to_light z <= 0: pictures that hold the cosine and are turned */
     void (*close)(brdf *b); /* frees b itself too */
     char name[256];         /* as given: "merl:gold.binary", "ggx:rough=.3" */
     char description[256];  /* a line for people: model, parameters, source */
@@ -32,7 +33,8 @@ void brdf_close(brdf *b); /* NULL is fine */
 /* Names of the embedded parameter sets, "sgd:gold-metallic-paint", sorted; count in *count. Static. */
 const char *const *brdf_names(size_t *count);
 
-/* f_r x max(n.l, 0) through eval_cosine or eval; 0 at or below the horizon of either direction. */
+/* f_r x max(n.l, 0) through eval_cosine or eval; 0 at or below the horizon of either direction (of to_light: unless
+   lit_past_terminator). */
 int brdf_eval_cosine(const brdf *b, const double to_light[3], const double to_eye[3], double out[3]);
 
 /* Directions of Rusinkiewicz coordinates in radians: half vector at theta_half (azimuth 0), difference vector at

@@ -54,7 +54,6 @@ void metric_frame(const brdf *b, double phi_deg, double scale, int size, image_u
             double normal[3], to_light[3], to_eye[3], radiance[3];
             if (!metric_normal(i, j, size, normal)) continue;
             metric_local(normal, phi_deg, to_light, to_eye);
-            if (to_light[2] <= 0) continue;
             brdf_eval_cosine(b, to_light, to_eye, radiance);
             uint8_t *texel = out->texel + 3 * ((size_t)j * (size_t)size + (size_t)i);
             for (int k = 0; k < 3; k++) texel[k] = unorm8(srgb_encode(PI * scale * radiance[k]));

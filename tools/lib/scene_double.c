@@ -99,12 +99,6 @@ static void arriving(const scene_light *light, const double at[3], double to_lig
     for (i = 0; i < 3; i++) power[i] = scale * fmax(light->power[i], 0);
 }
 
-/* f_r x cosine. What holds the product itself may have some of it beyond the terminator (sphere images do). */
-static int met(const brdf *b, const double to_light[3], const double to_eye[3], double f_cos[3])
-{
-    return b->eval_cosine ? b->eval_cosine(b, to_light, to_eye, f_cos) : brdf_eval_cosine(b, to_light, to_eye, f_cos);
-}
-
 static void reflected(const frame *r, const seen *p, const double normal[3], double radiance[3])
 {
     double axes[3][3], to_eye[3], eye[3];
@@ -121,7 +115,7 @@ static void reflected(const frame *r, const seen *p, const double normal[3], dou
         double to_light[3], light[3], power[3], f_cos[3];
         arriving(&r->s->light[k], p->view, to_light, power);
         local(light, axes, to_light);
-        if (met(r->b, light, eye, f_cos))
+        if (brdf_eval_cosine(r->b, light, eye, f_cos))
             for (i = 0; i < 3; i++) radiance[i] += f_cos[i] * power[i];
     }
 }

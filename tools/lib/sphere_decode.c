@@ -151,6 +151,7 @@ brdf *sphere_brdf(const sphere_asset *a, const sphere_decode_options *options)
     int paper = a->mode == SPHERE_PAPER;
     s->base.eval = spheres_eval;
     s->base.eval_cosine = spheres_eval_cosine;
+    s->base.lit_past_terminator = paper;
     s->base.close = spheres_close;
     snprintf(s->base.name, sizeof s->base.name, "%s", a->name);
     snprintf(s->base.description, sizeof s->base.description, "%d sphere images, %d x %d %s, %s", a->layers, a->size,
