@@ -1,9 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# check_long.sh BUILD: fuzz the readers for NACRE_FUZZ_SECONDS (60) each, with clang's libFuzzer where it is installed.
+# check_long.sh BUILD: the sweeps that `make test` shortens, over all built-in materials, then the readers under libFuzzer
+# for NACRE_FUZZ_SECONDS (60) each.
 set -eu
 build=$1
 seconds=${NACRE_FUZZ_SECONDS:-60}
+
+for t in unit/test_paper002 frame/test_fp16; do
+    echo "== $t, all materials"
+    NACRE_LONG=1 "$build/release/tests/$t"
+done
+
 mkdir -p "$build/fuzz"
 for target in tests/fault/fuzz_*.c; do
     name=$(basename "$target" .c)
