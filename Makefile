@@ -60,7 +60,7 @@ TEXTS := $(wildcard shaders_gles/*.glsl shaders_gles/*.vert shaders_gles/*.frag)
 TEXT_OBJECTS := $(patsubst shaders_gles/%,$(O)/embedded/%.o,$(TEXTS))
 RUNTIME_OBJECTS := $(foreach room,$(ROOMS),$(call room_objects,$(room))) $(TEXT_OBJECTS)
 
-DATA := $(wildcard fixtures/in/*.csv fixtures/in/*.obj)
+DATA := $(wildcard fixtures/in/*.csv)
 DATA_OBJECTS := $(patsubst fixtures/in/%,$(O)/embedded/%.o,$(DATA))
 TOOLS_LIB_OBJECTS := $(patsubst tools/lib/%.c,$(O)/tools/lib/%.o,$(wildcard tools/lib/*.c)) $(DATA_OBJECTS)
 TOOL_OBJECTS := $(patsubst tools/%.c,$(O)/tools/%.o,$(filter-out tools/demo.c,$(wildcard tools/*.c)))

@@ -31,11 +31,10 @@ typedef struct bake_common {
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
-static int check_common(const bake_common *c, const char *kind, failure *f)
+/* Nothing but the JSON goes to standard output if that is where it goes. */
+static int prints_text(const bake_common *c)
 {
-    if (!c->output) return fail(f, FAIL_USAGE, "%s: -o FILE is missing", kind);
-    if (c->threads) omp_set_num_threads(c->threads);
-    return FAIL_NONE;
+    return !c->quiet && !(c->json && !strcmp(c->json, "-"));
 }
 
 /* A BRDF name's file, for depfiles: what follows "merl:" or "rgl:", or the name itself if such a file exists. */
@@ -47,15 +46,41 @@ static const char *input_file(const char *name)
     return stat(name, &status) == 0 ? name : NULL;
 }
 
-static int write_outputs(const bake_common *c, const bytes *file, const char *input, json *figures, failure *f)
+static int check_common(const bake_common *c, const char *kind, const char *input, failure *f)
 {
-    int code = output_write(c->output, file, f);
-    if (!code && c->depfile) {
+    if (!c->output) return fail(f, FAIL_USAGE, "%s: -o FILE is missing", kind);
+    if (c->threads) omp_set_num_threads(c->threads);
+    return output_apart(c->output, input_file(input), f);
+}
+
+/* What goes with the output: the make fragment and the figures. Neither is left if one of them fails. */
+static int write_side_outputs(const bake_common *c, const char *input, json *figures, failure *f)
+{
+    int code = FAIL_NONE;
+    if (c->depfile) {
         const char *inputs[1] = {input_file(input)};
         code = output_depfile(c->depfile, c->output, inputs, inputs[0] != NULL, f);
     }
-    if (!code && c->json) code = json_write(figures, c->json, f);
+    if (code || !c->json) return code;
+    code = json_write(figures, c->json, f);
+    if (code && c->depfile) output_discard(c->depfile);
+    return code;
+}
+
+static void discard_side_outputs(const bake_common *c)
+{
+    if (c->depfile) output_discard(c->depfile);
+    if (c->json) output_discard(c->json);
+}
+
+/* The output comes last: where it is, all that goes with it is. */
+static int write_outputs(const bake_common *c, const bytes *file, const char *input, json *figures, failure *f)
+{
+    int code = write_side_outputs(c, input, figures, f);
     bytes_free(&figures->out);
+    if (code) return code;
+    code = output_write(c->output, file, f);
+    if (code) discard_side_outputs(c);
     return code;
 }
 
@@ -96,7 +121,8 @@ static int bake_table(int argc, char **argv, failure *f)
 {
     bake_common c = {0};
     const char *size = NULL, *tier = "default", *brdf_name = NULL;
-    table_options options = {.power = 4.8};
+    progress meter = {0};
+    table_options options = {.power = 4.8, .progress = &meter};
     const option table[] = {
         COMMON_OPTIONS(c),
         {"--size", OPTION_TEXT, &size, 0, 0, "WxH", "texels, 4..128 (24x21; fine 32x21)"},
@@ -107,7 +133,8 @@ static int bake_table(int argc, char **argv, failure *f)
     int operands;
     int code = options_parse(argc, argv, "nacre bake table BRDF -o F.ktx2 [options]", table, COUNT(table), &brdf_name,
                              &operands, 1, 1, f);
-    if (code || (code = check_common(&c, "bake table", f)) || (code = parse_tier(tier, &options.tier, f))) return code;
+    if (code || (code = check_common(&c, "bake table", brdf_name, f)) || (code = parse_tier(tier, &options.tier, f)))
+        return code;
     if (size && (code = parse_size(size, "--size", 128, &options.width, &options.height, f))) return code;
     if (size && (options.width < 4 || options.height < 4))
         return fail(f, FAIL_USAGE, "--size %s: expected WxH, each 4..128", size);
@@ -117,6 +144,7 @@ static int bake_table(int argc, char **argv, failure *f)
     brdf *b;
     if ((code = brdf_open(&b, brdf_name, f))) return code;
     table_asset t;
+    meter.quiet = c.quiet;
     code = table_bake(&t, b, &options, f);
     brdf_close(b);
     if (code) return code;
@@ -125,7 +153,7 @@ static int bake_table(int argc, char **argv, failure *f)
     table_write(&t, &file);
     json figures = table_figures(&t, c.output, file.size);
     code = write_outputs(&c, &file, brdf_name, &figures, f);
-    if (!code && !c.quiet)
+    if (!code && prints_text(&c))
         printf("%s: %s, %d x %d x %d, %d bytes of texels, %zu in the file\n", c.output, t.name, t.width, t.height,
                t.layers, t.width * t.height * t.layers * 4, file.size);
     bytes_free(&file);
@@ -179,7 +207,8 @@ static int bake_spheres(int argc, char **argv, failure *f)
 {
     bake_common c = {0};
     const char *polar = NULL, *mode = "cosine-free", *format = "rgba8", *brdf_name = NULL;
-    sphere_options options = {0};
+    progress meter = {0};
+    sphere_options options = {.progress = &meter};
     const option table[] = {
         COMMON_OPTIONS(c),
         {"--polar", OPTION_TEXT, &polar, 0, 0, "A,B,...", "light polar angles in degrees, rising (0,45,90,135)"},
@@ -192,12 +221,13 @@ static int bake_spheres(int argc, char **argv, failure *f)
     int operands;
     int code = options_parse(argc, argv, "nacre bake spheres BRDF -o F.ktx2 [options]", table, COUNT(table), &brdf_name,
                              &operands, 1, 1, f);
-    if (code || (code = check_common(&c, "bake spheres", f))) return code;
+    if (code || (code = check_common(&c, "bake spheres", brdf_name, f))) return code;
     if ((code = parse_sphere_texts(polar, mode, format, &options, f))) return code;
 
     brdf *b;
     if ((code = brdf_open(&b, brdf_name, f))) return code;
     sphere_asset s;
+    meter.quiet = c.quiet;
     code = sphere_bake(&s, b, &options, f);
     brdf_close(b);
     if (code) return code;
@@ -208,7 +238,7 @@ static int bake_spheres(int argc, char **argv, failure *f)
     sphere_write(&s, &file);
     json figures = sphere_figures(&s, c.output, texel_bytes, file.size);
     code = write_outputs(&c, &file, brdf_name, &figures, f);
-    if (!code && !c.quiet)
+    if (!code && prints_text(&c))
         printf("%s: %s, %d images of %d x %d, %d levels, %zu bytes of texels, %zu in the file\n", c.output, s.name,
                s.layers, s.size, s.size, s.levels, texel_bytes, file.size);
     bytes_free(&file);
@@ -218,28 +248,40 @@ static int bake_spheres(int argc, char **argv, failure *f)
 
 /* ---- mesh --------------------------------------------------------------------------------------- */
 
+static json mesh_figures(const mesh *m, const char *path)
+{
+    json j = {0};
+    json_begin(&j, NULL, '{');
+    json_text(&j, "file", path);
+    json_text(&j, "mesh", m->name);
+    json_int(&j, "vertices", m->vertex_count);
+    json_int(&j, "triangles", m->index_count / 3);
+    json_end(&j, '}');
+    return j;
+}
+
 static int bake_mesh(int argc, char **argv, failure *f)
 {
-    const char *name = NULL, *output = NULL, *depfile = NULL;
-    int quiet = 0, operands;
+    bake_common c = {0};
+    const char *name = NULL;
+    int operands;
     const option table[] = {
-        {"-o", OPTION_TEXT, &output, 0, 0, "FILE", "output: F.c (nacre_mesh as C source) or F.bin"},
-        {"--depfile", OPTION_TEXT, &depfile, 0, 0, "FILE", "write a make fragment: output and what it is made of"},
-        {"--quiet", OPTION_FLAG, &quiet, 0, 0, NULL, "print nothing but errors"},
+        {"-o", OPTION_TEXT, &c.output, 0, 0, "FILE", "output: F.c (nacre_mesh as C source) or F.bin"},
+        {"--depfile", OPTION_TEXT, &c.depfile, 0, 0, "FILE", "write a make fragment: output and what it is made of"},
+        {"--json", OPTION_TEXT, &c.json, 0, 0, "FILE", "the figures printed, as JSON (- for standard output)"},
+        {"--quiet", OPTION_FLAG, &c.quiet, 0, 0, NULL, "print nothing but errors"},
     };
     int code = options_parse(argc, argv, "nacre bake mesh MESH -o F.c|F.bin [options]", table, COUNT(table), &name,
                              &operands, 1, 1, f);
-    if (code) return code;
-    if (!output) return fail(f, FAIL_USAGE, "bake mesh: -o FILE is missing");
+    if (code || (code = check_common(&c, "bake mesh", name, f))) return code;
     mesh m;
     if ((code = mesh_open(&m, name, f))) return code;
-    code = mesh_write(&m, output, f);
-    if (!code && depfile) {
-        const char *inputs[1] = {input_file(name)};
-        code = output_depfile(depfile, output, inputs, inputs[0] != NULL, f);
-    }
-    if (!code && !quiet)
-        printf("%s: %s, %d vertices, %d triangles\n", output, m.name, m.vertex_count, m.index_count / 3);
+    json figures = mesh_figures(&m, c.output);
+    code = write_side_outputs(&c, name, &figures, f);
+    bytes_free(&figures.out);
+    if (!code && (code = mesh_write(&m, c.output, f))) discard_side_outputs(&c);
+    if (!code && prints_text(&c))
+        printf("%s: %s, %d vertices, %d triangles\n", c.output, m.name, m.vertex_count, m.index_count / 3);
     mesh_free(&m);
     return code;
 }

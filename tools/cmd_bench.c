@@ -14,6 +14,7 @@
 #include "nacre_asset.h"
 #include "nacre_gles.h"
 #include "options.h"
+#include "progress.h"
 #include "sphere_bake.h"
 #include "table_bake.h"
 
@@ -141,22 +142,33 @@ static int draw_row(bench *b, const bench_row *row, failure *f)
     return FAIL_NONE;
 }
 
+/* One row's frames; times are kept from round 0 on. */
+static int time_row(bench *b, bench_row *row, int round, int frames, failure *f)
+{
+    double cpu = seconds(CLOCK_PROCESS_CPUTIME_ID), wall = seconds(CLOCK_MONOTONIC);
+    for (int frame = 0; frame < frames; frame++) {
+        int code = draw_row(b, row, f);
+        if (code) return code;
+    }
+    if (round < 0) return FAIL_NONE;
+    row->cpu_ms[round] = (seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu) * 1e3 / frames;
+    row->wall_ms[round] = (seconds(CLOCK_MONOTONIC) - wall) * 1e3 / frames;
+    return FAIL_NONE;
+}
+
 static int time_rows(bench *b, int rounds, int frames, failure *f)
 {
-    for (int round = -1; round < rounds; round++) { /* round -1 warms up: compiles, uploads */
-        for (int i = 0; i < b->row_count; i++) {
-            bench_row *row = &b->row[i];
-            double cpu = seconds(CLOCK_PROCESS_CPUTIME_ID), wall = seconds(CLOCK_MONOTONIC);
-            for (int frame = 0; frame < frames; frame++) {
-                int code = draw_row(b, row, f);
-                if (code) return code;
-            }
-            if (round < 0) continue;
-            row->cpu_ms[round] = (seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu) * 1e3 / frames;
-            row->wall_ms[round] = (seconds(CLOCK_MONOTONIC) - wall) * 1e3 / frames;
+    int code = FAIL_NONE;
+    progress meter = {0};
+    progress_begin(&meter, "rows", (double)(rounds + 1) * b->row_count);
+    for (int round = -1; round < rounds && !code; round++) { /* round -1 warms up: compiles, uploads */
+        for (int i = 0; i < b->row_count && !code; i++) {
+            code = time_row(b, &b->row[i], round, frames, f);
+            progress_add(&meter, 1);
         }
     }
-    return FAIL_NONE;
+    progress_end(&meter);
+    return code;
 }
 
 static int open_bench(bench *b, gl_backend backend, int size, const char *mesh_name, const char *brdf_name, failure *f)
@@ -247,7 +259,7 @@ int cmd_bench(int argc, char **argv, failure *f)
     code = open_bench(&b, (gl_backend)backend, size, mesh_name, brdf_name, f);
     if (!code) code = add_rows(&b, f);
     if (!code) code = time_rows(&b, rounds, frames, f);
-    if (!code) print_rows(&b, rounds, size, mesh_name);
+    if (!code && !(json_path && !strcmp(json_path, "-"))) print_rows(&b, rounds, size, mesh_name);
     if (!code && json_path) code = write_json(&b, rounds, size, mesh_name, json_path, f);
     close_bench(&b);
     return code;

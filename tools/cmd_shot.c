@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* nacre shot: a mesh in a material, under lights, to a PNG. */
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -17,7 +18,8 @@ typedef struct shot {
     const char *output_path;
     int backend, samples;
     option_texts mesh, material, size, light, point, camera, turn, backend_name, output, exposure, ambient, tint;
-    int ortho;
+    int ortho, threads;
+    progress meter;
     mesh shape;
     scene_material material_open;
     scene s;
@@ -186,7 +188,9 @@ static int set_up(shot *t, failure *f)
         return code;
     if (!mesh_name) return fail(f, FAIL_USAGE, "--mesh is missing: sphere, teapot, plane, torus or a file");
     if (!material) return fail(f, FAIL_USAGE, "--material is missing: a .ktx2 file or a BRDF's name");
-    if ((code = parse_frame(t, &width, &height, f))) return code;
+    if ((code = output_apart(t->output_path, mesh_name, f)) || (code = output_apart(t->output_path, material, f)) ||
+        (code = parse_frame(t, &width, &height, f)))
+        return code;
     scene_begin(&t->s, NULL, width * t->samples, height * t->samples);
     if ((code = choose(&t->backend_name, "--backend", backend_names, BACKEND_COUNT, &t->backend, f)) ||
         (code = choose(&t->output, "--output", output_names, 3, &t->s.output, f)) || (code = parse_lights(t, f)) ||
@@ -194,6 +198,7 @@ static int set_up(shot *t, failure *f)
         return code;
     if ((code = mesh_open(&t->shape, mesh_name, f))) return code;
     t->s.shape = &t->shape;
+    t->s.progress = &t->meter;
     t->s.exact_sphere = !strcmp(mesh_name, "sphere");
     if ((code = parse_camera(t, f))) return code;
     return scene_material_open(&t->material_open, material, t->backend == BACKEND_DOUBLE, f);
@@ -245,6 +250,8 @@ int cmd_shot(int argc, char **argv, failure *f)
         {"--samples", OPTION_INT, &t.samples, 1, 8, "N", "anti-aliasing: mean of N x N per pixel, in linear light (1)"},
         {"--backend", OPTION_TEXTS, &t.backend_name, 0, 0, "NAME",
          "egl2, egl3, osmesa (OpenGL), or double: the reference, which evaluates a BRDF exactly (egl2)"},
+        {"--threads", OPTION_INT, &t.threads, 1, 256, "N", "(all cores) the picture does not depend on it"},
+        {"--quiet", OPTION_FLAG, &t.meter.quiet, 0, 0, NULL, "no progress line"},
         {"-o", OPTION_TEXT, &t.output_path, 0, 0, "FILE.png",
          "the picture: RGBA, straight alpha, transparent background"},
     };
@@ -255,6 +262,7 @@ int cmd_shot(int argc, char **argv, failure *f)
                       table, sizeof table / sizeof *table, operand, &count, 0, 0, f);
 
     if (code) return code;
+    if (t.threads) omp_set_num_threads(t.threads);
     distant = t.s.distant_viewer;
     code = set_up(&t, f);
     t.s.distant_viewer = distant;

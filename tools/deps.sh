@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # deps.sh demo|test|check-long [BUILD]: install what drawing (demo), the tests or the long checks need and this machine
-# lacks. With everything
-# present nothing is contacted. Probes look for the thing itself, so other systems than Debian pass too.
+# lacks. With everything present nothing is contacted. Probes look for the thing itself, so other systems than Debian
+# pass too.
 set -u
 what=$1
 build=${2:-build}
@@ -54,8 +54,8 @@ probe() {
 
 # OSMesa left Mesa with 25.1: where no package has it, the tests run on EGL alone and say so.
 drop_unobtainable() {
-    case " $missing " in *" libosmesa6 "*) ;; *) return ;; esac
-    apt-cache show libosmesa6 >/dev/null 2>&1 && return
+    case " $missing " in *" libosmesa6 "*) ;; *) return 0 ;; esac
+    apt-cache show libosmesa6 >/dev/null 2>&1 && return 0
     echo "note: libosmesa6 is not to be had on this system; its tests will be skipped" >&2
     missing=$(echo " $missing " | sed 's/ libosmesa6 / /')
 }
@@ -68,8 +68,8 @@ install_packages() {
     [ -z "$as_root" ] || sudo -n true >/dev/null 2>&1 || return 1
     echo "installing:$missing"
     log=$(mktemp)
-    { $as_root apt-get update -q && $as_root env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -qy --no-install-recommends $missing; } >"$log" 2>&1
+    $as_root apt-get update -q >"$log" 2>&1 && drop_unobtainable &&
+        $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $missing >>"$log" 2>&1
     status=$?
     [ $status = 0 ] || tail -5 "$log" >&2
     rm -f "$log"
@@ -86,15 +86,18 @@ install_ktx_parse() {
         echo "note: npm package ktx-parse 2.0.0 can't be fetched; its test will be skipped" >&2
 }
 
+refuse_if_missing() {
+    drop_unobtainable
+    [ -z "$(echo $missing)" ] && return
+    echo "missing: $(echo $missing); run: apt-get install $(echo $missing)" >&2
+    exit 2
+}
+
 probe
 if [ -n "$missing" ]; then
-    if ! install_packages; then
-        drop_unobtainable
-        [ -z "$(echo $missing)" ] || { echo "missing:$missing; run: apt-get install$missing" >&2; exit 2; }
-    fi
+    install_packages || refuse_if_missing
     probe
-    drop_unobtainable
-    [ -z "$(echo $missing)" ] || { echo "missing: $(echo $missing); run: apt-get install $(echo $missing)" >&2; exit 2; }
+    refuse_if_missing
 fi
 install_ktx_parse
 exit 0

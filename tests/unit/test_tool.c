@@ -139,6 +139,11 @@ static void bad_command_lines(void **state)
         {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 -o x.png", 1, "light"},
         {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0 --backend d3d -o x.png", 1, "d3d"},
         {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0", 1, "-o"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 30,0 -o ''", 1, "-o"},
+        {"nacre shot --mesh '' --material lambert:albedo=.5 --light 30,0 -o x.png", 1, "--mesh"},
+        {"nacre shot --mesh sphere --material tabel=x.ktx2 --light 30,0 -o x.png", 1, "table=FILE"},
+        {"nacre shot --mesh sphere --material \"$(printf 'a\\nb')\" --light 30,0 -o x.png", 1, "a?b"},
+        {"nacre info ''", 1, "empty"},
         {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 1,0 --light 2,0 --light 3,0 --light "
          "4,0 "
          "--light 5,0 --light 6,0 --light 7,0 --light 8,0 --light 9,0 -o x.png",
@@ -157,6 +162,7 @@ static void unknown_materials_name_the_near_ones(void **state)
         {"nacre bake table ggx:rough=7 -o x.ktx2", 1, "rough"},
         {"nacre bake table ggx:rough=nan -o x.ktx2", 1, "rough"},
         {"nacre bake table lambert:albedo=.5/.5 -o x.ktx2", 1, "albedo"},
+        {"nacre bake table merl: -o x.ktx2", 1, "merl:FILE"},
         {"nacre shot --mesh teapott --material lambert:albedo=.5 --light 30,0 -o x.png", 2, "teapott"},
     };
     CHECK(list);
@@ -177,6 +183,7 @@ static void bad_files(void **state)
     write_file("text.ktx2", "this is no texture, but it is long enough to hold a header of eighty bytes, nearly.", 83);
     write_file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", 24);
     write_file("garbage.glb", "glTF garbage", 12);
+    assert_int_equal(run("nacre bake table lambert:albedo=.5 -o table.ktx2").code, 0);
     static const mistake list[] = {
         {"nacre bake table missing.binary -o x.ktx2", 2, "missing.binary"},
         {"nacre bake table merl:missing -o x.ktx2", 2, "missing"},
@@ -198,6 +205,8 @@ static void bad_files(void **state)
         {"nacre shot --mesh sphere --material empty.ktx2 --light 30,0 -o x.png", 3, "empty.ktx2"},
         {"nacre shot --mesh sphere --material text.ktx2 --light 30,0 -o x.png", 3, "text.ktx2"},
         {"nacre shot --mesh sphere --material missing.ktx2 --light 30,0 -o x.png", 2, "missing.ktx2"},
+        {"nacre shot --mesh sphere --material spheres=table.ktx2 --light 30,0 -o x.png", 3,
+         "found \"table\", expected \"spheres\""},
         {"nacre info text.ktx2", 3, "text.ktx2"},
         {"nacre info missing.ktx2", 2, "missing.ktx2"},
     };
@@ -217,6 +226,47 @@ static void outputs_that_cannot_be_written(void **state)
          2, "no/such/x.png"},
     };
     CHECK(list);
+}
+
+static void outputs_spare_the_input_and_come_all_or_not_at_all(void **state)
+{
+    (void)state;
+    write_merl("source.binary", 9, 9, 18, 9 * 9 * 18 * 3, 100, 100);
+    write_file("source.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 32);
+    static const mistake list[] = {
+        {"nacre bake table source.binary -o ./source.binary", 1, "found the input"},
+        {"nacre bake mesh source.obj -o source.obj", 1, "found the input"},
+        {"nacre shot --mesh source.obj --material lambert:albedo=.5 --light 30,0 -o source.obj", 1, "found the input"},
+        {"nacre bake table lambert:albedo=.5 -o y.ktx2 --depfile no/such/d", 2, "no/such/d"},
+        {"nacre bake table lambert:albedo=.5 -o y.ktx2 --depfile y.d --json no/such/j", 2, "no/such/j"},
+        {"nacre bake table lambert:albedo=.5 -o no/such/y --depfile y.d --json y.json", 2, "no/such/y"},
+        {"nacre bake mesh plane -o no/such/y.bin --depfile y.d --json y.json", 2, "no/such/y.bin"},
+    };
+    CHECK(list);
+}
+
+static void a_missing_driver(void **state)
+{
+    (void)state;
+    static const mistake list[] = {
+        {"LIBGL_DRIVERS_PATH=/nonexistent nacre shot --mesh plane --material lambert:albedo=.5 --light 30,0 --backend "
+         "egl2 -o x.png",
+         4, "EGL"},
+        {"__EGL_VENDOR_LIBRARY_DIRS=/nonexistent nacre shot --mesh plane --material lambert:albedo=.5 --light 30,0 "
+         "--backend egl3 -o x.png",
+         4, "EGL"},
+    };
+    CHECK(list);
+}
+
+static void json_on_standard_output_stands_alone(void **state)
+{
+    (void)state;
+    assert_int_equal(run("nacre bake mesh plane -o p.bin --json - >p.json && head -c 1 p.json | grep -qx '{' && "
+                         "tail -n 1 p.json | grep -qx '}'")
+                         .code,
+                     0);
+    assert_int_equal(run("nacre bake table lambert:albedo=.5 -o a.ktx2 --json - | tail -n 1 | grep -qx '}'").code, 0);
 }
 
 static void a_full_disk_leaves_the_old_file_and_no_other(void **state)
@@ -291,6 +341,9 @@ int main(void)
         cmocka_unit_test(unknown_materials_name_the_near_ones),
         cmocka_unit_test(bad_files),
         cmocka_unit_test(outputs_that_cannot_be_written),
+        cmocka_unit_test(outputs_spare_the_input_and_come_all_or_not_at_all),
+        cmocka_unit_test(a_missing_driver),
+        cmocka_unit_test(json_on_standard_output_stands_alone),
         cmocka_unit_test(a_full_disk_leaves_the_old_file_and_no_other),
         cmocka_unit_test(the_same_input_gives_the_same_bytes),
         cmocka_unit_test(c_arrays_hold_the_file_and_depfiles_its_inputs),

@@ -168,6 +168,15 @@ static void next_word(cursor *c, char *out, size_t size)
     if (value && *value && !isdigit((unsigned char)*value)) snprintf(out, size, "%s", value);
 }
 
+/* A precision qualifier, or the shaders' macro for one. */
+static int is_precision(const char *word)
+{
+    static const char *const names[] = {"highp", "mediump", "lowp", "HIGHP", "UNIT"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strcmp(word, names[i])) return 1;
+    return 0;
+}
+
 static void declaration(text *t, const char *line, int vertex)
 {
     cursor c = {t, line};
@@ -178,7 +187,7 @@ static void declaration(text *t, const char *line, int vertex)
     const int varying = !strcmp(kind, "varying") || (!vertex && in) || (vertex && out);
     if (!uniform && !attribute && !varying) return;
     next_word(&c, type, sizeof type);
-    if (!strcmp(type, "highp") || !strcmp(type, "mediump") || !strcmp(type, "lowp")) next_word(&c, type, sizeof type);
+    if (is_precision(type)) next_word(&c, type, sizeof type);
     next_word(&c, name, sizeof name);
     long count = 1;
     if (accept(&c, "[")) {

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ktx2_write.h"
 #include "merl.h"
 #include "models.h"
 #include "nacre.h"
@@ -27,20 +28,10 @@ static int ends_with(const char *text, const char *end)
     return n > m && strcmp(text + n - m, end) == 0;
 }
 
-/* nacre.role of an open file, "" if it has none. */
-static void read_role(const nacre_image *image, char *role, size_t size)
-{
-    uint32_t length = 0;
-    const uint8_t *value = nacre_image_key(image, NACRE_KEY_ROLE, &length);
-    size_t used = value ? (length < size - 1 ? length : size - 1) : 0;
-    if (used) memcpy(role, value, used);
-    role[used] = '\0';
-}
-
 static int open_image(brdf **out, const nacre_image *image, const char *path, failure *f)
 {
     char role[32];
-    read_role(image, role, sizeof role);
+    ktx2_role(image, role, sizeof role);
     int code;
     if (strcmp(role, "table") == 0) {
         table_asset table = {0};
@@ -109,10 +100,15 @@ static int is_model(const char *prefix)
 
 static int open_prefixed(brdf **out, const char *prefix, const char *rest, failure *f)
 {
+    int is_file = strcmp(prefix, "merl") == 0 || strcmp(prefix, "rgl") == 0;
+    if (is_file && !*rest) return fail(f, FAIL_USAGE, "BRDF: found \"%s:\", expected %s:FILE", prefix, prefix);
     if (strcmp(prefix, "merl") == 0) return merl_open(out, rest, f);
     if (strcmp(prefix, "rgl") == 0) return rgl_open(out, rest, f);
     if (strcmp(prefix, "schlick") == 0)
-        return fail(f, FAIL_UNSUPPORTED, "BRDF \"schlick:%s\": this model is not supported yet", rest);
+        return fail(
+            f, FAIL_UNSUPPORTED,
+            "BRDF: found \"schlick:%.200s\", a model that is not supported, expected ggx:, cook-torrance: or ward:",
+            rest);
     if (is_published_set(prefix) && !(is_model(prefix) && strchr(rest, '=')))
         return published_open(out, prefix, rest, f);
     return model_open(out, prefix, rest, f);

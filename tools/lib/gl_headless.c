@@ -65,10 +65,12 @@ static int load(void *library, const char *name, void *function)
 
 static int egl_load(failure *f)
 {
-    void *library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
+    void *library;
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;
     EGLDisplay display;
 
+    setenv("EGL_LOG_LEVEL", "fatal", 0); /* what the driver warns of is in our own line */
+    library = dlopen("libEGL.so.1", RTLD_NOW | RTLD_LOCAL);
     if (!library) return fail(f, FAIL_UNSUPPORTED, "EGL: libEGL.so.1 can't be opened; install libegl1");
     if (!load(library, "eglGetProcAddress", &egl.get_proc) || !load(library, "eglGetError", &egl.get_error) ||
         !load(library, "eglInitialize", &egl.initialize) || !load(library, "eglBindAPI", &egl.bind_api) ||

@@ -265,3 +265,10 @@ void ktx2_free(ktx2_image *k)
     for (int i = 0; i < k->key_count; i++) bytes_free(&k->key[i].value);
     memset(k, 0, sizeof *k);
 }
+
+void ktx2_role(const nacre_image *image, char *out, size_t size)
+{
+    uint32_t length = 0;
+    const uint8_t *value = nacre_image_key(image, NACRE_KEY_ROLE, &length);
+    snprintf(out, size, "%.*s", value ? (int)length : 0, value ? (const char *)value : "");
+}

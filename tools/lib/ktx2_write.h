@@ -3,6 +3,7 @@
 #ifndef KTX2_WRITE_H
 #define KTX2_WRITE_H
 
+#include "nacre.h"
 #include "output.h"
 
 #define KTX2_MAX_KEYS 16
@@ -32,5 +33,8 @@ void ktx2_key_q16(ktx2_image *k, const char *name, const double *value, int coun
    mistake of the caller: one line and FAIL_INTERNAL. */
 void ktx2_write(const ktx2_image *k, bytes *out);
 void ktx2_free(ktx2_image *k);
+
+/* nacre.role of an opened file, for messages; cut to fit, "" if it has none. */
+void ktx2_role(const nacre_image *image, char *out, size_t size);
 
 #endif

@@ -10,6 +10,7 @@
 #include <strings.h>
 
 #include "mesh_inner.h"
+#include "vec3.h"
 
 mesh mesh_make(const char *name, int vertex_count, int index_count)
 {
@@ -54,25 +55,12 @@ static void subtract(double out[3], const float a[3], const float b[3])
     for (int i = 0; i < 3; i++) out[i] = (double)a[i] - (double)b[i];
 }
 
-static void cross(double out[3], const double a[3], const double b[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Returns 0, and leaves v alone, if v has no direction. */
-static int normalise(double v[3])
+int mesh_direction(double v[3])
 {
     double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
     if (!(largest > 0 && largest < INFINITY)) return 0;
     for (int i = 0; i < 3; i++) v[i] /= largest; /* squares of tiny edges would be 0 */
-    double length = sqrt(dot(v, v));
+    double length = sqrt(dot3(v, v));
     for (int i = 0; i < 3; i++) v[i] /= length;
     return 1;
 }
@@ -117,12 +105,12 @@ void mesh_make_normals(mesh *m, const uint8_t *known)
         const uint32_t *corner = m->index + t;
         double edge[3][3], normal[3], back[3];
         for (int k = 0; k < 3; k++) subtract(edge[k], m->position[corner[(k + 1) % 3]], m->position[corner[k]]);
-        if (!normalise(edge[0]) || !normalise(edge[1]) || !normalise(edge[2])) continue;
-        cross(normal, edge[0], edge[1]);
-        if (dot(normal, normal) < 1e-24 || !normalise(normal)) continue;
+        if (!mesh_direction(edge[0]) || !mesh_direction(edge[1]) || !mesh_direction(edge[2])) continue;
+        cross3(normal, edge[0], edge[1]);
+        if (dot3(normal, normal) < 1e-24 || !mesh_direction(normal)) continue;
         for (int k = 0; k < 3; k++) {
             for (int i = 0; i < 3; i++) back[i] = -edge[(k + 2) % 3][i];
-            double angle = acos(fmin(fmax(dot(edge[k], back), -1), 1));
+            double angle = acos(fmin(fmax(dot3(edge[k], back), -1), 1));
             for (int i = 0; i < 3; i++) sum[group[corner[k]]][i] += angle * normal[i];
         }
     }
@@ -130,7 +118,7 @@ void mesh_make_normals(mesh *m, const uint8_t *known)
         if (known[v]) continue;
         double n[3] = {0, 0, 1}, s[3];
         memcpy(s, sum[group[v]], sizeof s);
-        if (dot(s, s) > 1e-20 && normalise(s)) memcpy(n, s, sizeof n);
+        if (dot3(s, s) > 1e-20 && mesh_direction(s)) memcpy(n, s, sizeof n);
         for (int i = 0; i < 3; i++) m->normal[v][i] = (float)n[i];
     }
     free(group);
@@ -152,16 +140,16 @@ static double triangle_tangent(const mesh *m, const uint32_t *corner, double tan
     if (!(fabs(area) > 1e-20)) return 0;
     double sign = area > 0 ? 1 : -1;
     for (int i = 0; i < 3; i++) tangent[i] = sign * (e1[i] * v2 - e2[i] * v1);
-    return normalise(tangent) ? sign : 0;
+    return mesh_direction(tangent) ? sign : 0;
 }
 
 /* Any unit vector perpendicular to n that changes little with n: x turned with n, or y near the x axis. */
 static void fallback_tangent(const double n[3], double tangent[3])
 {
     const double axis[3] = {fabs(n[0]) < 0.9, fabs(n[0]) >= 0.9, 0};
-    double along = dot(axis, n);
+    double along = dot3(axis, n);
     for (int i = 0; i < 3; i++) tangent[i] = axis[i] - along * n[i];
-    normalise(tangent);
+    mesh_direction(tangent);
 }
 
 /* Weighted by corner angle as normals are. */
@@ -175,8 +163,8 @@ void mesh_make_tangents(mesh *m)
         for (int k = 0; k < 3; k++) {
             subtract(to_next, m->position[corner[(k + 1) % 3]], m->position[corner[k]]);
             subtract(to_last, m->position[corner[(k + 2) % 3]], m->position[corner[k]]);
-            if (!normalise(to_next) || !normalise(to_last)) continue;
-            double angle = acos(fmin(fmax(dot(to_next, to_last), -1), 1));
+            if (!mesh_direction(to_next) || !mesh_direction(to_last)) continue;
+            double angle = acos(fmin(fmax(dot3(to_next, to_last), -1), 1));
             for (int i = 0; i < 3; i++) sum[corner[k]][i] += angle * tangent[i];
             sum[corner[k]][3] += angle * sign;
         }
@@ -184,9 +172,9 @@ void mesh_make_tangents(mesh *m)
     for (int v = 0; v < m->vertex_count; v++) {
         if (m->tangent[v][3] != 0) continue;
         double n[3] = {(double)m->normal[v][0], (double)m->normal[v][1], (double)m->normal[v][2]}, s[3];
-        double along = dot(sum[v], n);
+        double along = dot3(sum[v], n);
         for (int i = 0; i < 3; i++) s[i] = sum[v][i] - along * n[i];
-        if (!(dot(s, s) > 1e-12) || !normalise(s)) fallback_tangent(n, s);
+        if (!(dot3(s, s) > 1e-12) || !mesh_direction(s)) fallback_tangent(n, s);
         for (int i = 0; i < 3; i++) m->tangent[v][i] = (float)s[i];
         m->tangent[v][3] = sum[v][3] < 0 ? -1 : 1;
     }

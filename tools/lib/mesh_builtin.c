@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vec3.h"
+
 extern const unsigned char embedded_teapot_csv[];
 extern const unsigned long embedded_teapot_csv_size;
 
@@ -16,26 +18,6 @@ typedef struct surface_point {
     double position[3], normal[3], tangent[3], uv[2];
     double handedness;
 } surface_point;
-
-static void cross(double out[3], const double a[3], const double b[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double normalise(double v[3])
-{
-    double length = sqrt(dot(v, v));
-    if (length > 0)
-        for (int i = 0; i < 3; i++) v[i] /= length;
-    return length;
-}
 
 static void set_vertex(mesh *m, int at, const surface_point *p)
 {
@@ -174,17 +156,17 @@ static surface_point patch_point(const patch *p, double column, double row)
     surface_point out = {.handedness = 1};
     double d_column[3], d_row[3], skip[3];
     evaluate(p, column, row, out.position, d_column, d_row);
-    if (dot(d_column, d_column) < 1e-12 || dot(d_row, d_row) < 1e-12) {
+    if (dot3(d_column, d_column) < 1e-12 || dot3(d_row, d_row) < 1e-12) {
         const double inwards = 1e-6;
         evaluate(p, fmin(fmax(column, inwards), 1 - inwards), fmin(fmax(row, inwards), 1 - inwards), skip, d_column,
                  d_row);
     }
-    cross(out.normal, d_column, d_row);
-    normalise(out.normal);
+    cross3(out.normal, d_column, d_row);
+    normalise3(out.normal);
     /* Seen from outside columns run left and rows down, textures right and up. */
-    double along = dot(d_column, out.normal);
+    double along = dot3(d_column, out.normal);
     for (int i = 0; i < 3; i++) out.tangent[i] = -(d_column[i] - along * out.normal[i]);
-    normalise(out.tangent);
+    normalise3(out.tangent);
     out.uv[0] = 1 - column;
     out.uv[1] = 1 - row;
     return out;
@@ -261,7 +243,7 @@ static void fit_unit_sphere(mesh *m)
     for (int i = 0; i < m->vertex_count; i++) {
         double p[3];
         for (int j = 0; j < 3; j++) p[j] = (double)m->position[i][j] - centre[j];
-        farthest = fmax(farthest, sqrt(dot(p, p)));
+        farthest = fmax(farthest, sqrt(dot3(p, p)));
     }
     for (int i = 0; i < m->vertex_count; i++)
         for (int j = 0; j < 3; j++) m->position[i][j] = (float)(((double)m->position[i][j] - centre[j]) / farthest);

@@ -17,35 +17,11 @@
 #include <unistd.h>
 
 #include "mesh_inner.h"
+#include "vec3.h"
 
 enum { MAX_CORNERS = 3 << 26, MAX_NODE_DEPTH = 256 };
 
 enum { TIME_LIMIT_SECONDS = 10 }; /* and as many as the file has MB */
-
-/* ---- vectors in double -------------------------------------------------------------------- */
-
-static void cross(double out[3], const double a[3], const double b[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-/* Returns 0, and leaves v alone, if v has no direction. */
-static int normalise(double v[3])
-{
-    double largest = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
-    if (!(largest > 0 && largest < INFINITY)) return 0;
-    for (int i = 0; i < 3; i++) v[i] /= largest; /* squares of tiny edges would be 0 */
-    double length = sqrt(dot(v, v));
-    for (int i = 0; i < 3; i++) v[i] /= length;
-    return 1;
-}
 
 /* ---- assimp's scene ----------------------------------------------------------------------- */
 
@@ -72,8 +48,8 @@ static double cofactors(const struct aiMatrix4x4 *m, double out[3][3])
     const double row[3][3] = {{(double)m->a1, (double)m->a2, (double)m->a3},
                               {(double)m->b1, (double)m->b2, (double)m->b3},
                               {(double)m->c1, (double)m->c2, (double)m->c3}};
-    for (int i = 0; i < 3; i++) cross(out[i], row[(i + 1) % 3], row[(i + 2) % 3]);
-    return dot(row[0], out[0]);
+    for (int i = 0; i < 3; i++) cross3(out[i], row[(i + 1) % 3], row[(i + 2) % 3]);
+    return dot3(row[0], out[0]);
 }
 
 static int set_position(load *l, int at, const struct aiVector3D *from, const struct aiMatrix4x4 *matrix)
@@ -96,8 +72,8 @@ static int set_position(load *l, int at, const struct aiVector3D *from, const st
 static int set_normal(mesh *m, int at, const struct aiVector3D *from, double cofactor[3][3], double side)
 {
     const double v[3] = {(double)from->x, (double)from->y, (double)from->z};
-    double n[3] = {side * dot(cofactor[0], v), side * dot(cofactor[1], v), side * dot(cofactor[2], v)};
-    if (!normalise(n)) return 0;
+    double n[3] = {side * dot3(cofactor[0], v), side * dot3(cofactor[1], v), side * dot3(cofactor[2], v)};
+    if (!mesh_direction(n)) return 0;
     for (int i = 0; i < 3; i++) m->normal[at][i] = (float)n[i];
     return 1;
 }
@@ -108,12 +84,12 @@ static void set_tangent(mesh *m, int at, const struct aiMesh *part, unsigned i, 
     for (int k = 0; k < 3; k++) n[k] = (double)m->normal[at][k];
     transform(matrix, &part->mTangents[i], 0, t);
     transform(matrix, &part->mBitangents[i], 0, b);
-    double along = dot(t, n);
+    double along = dot3(t, n);
     for (int k = 0; k < 3; k++) t[k] -= along * n[k];
-    if (!normalise(t)) return;
-    cross(across, n, t);
+    if (!mesh_direction(t)) return;
+    cross3(across, n, t);
     for (int k = 0; k < 3; k++) m->tangent[at][k] = (float)t[k];
-    m->tangent[at][3] = dot(across, b) < 0 ? -1 : 1;
+    m->tangent[at][3] = dot3(across, b) < 0 ? -1 : 1;
 }
 
 static int add_vertices(load *l, const struct aiMesh *part, const struct aiMatrix4x4 *matrix)

@@ -16,6 +16,9 @@ int mesh_builtin(mesh *out, const char *name);
 /* A file that exists, by its suffix. Node transforms are applied, points and lines left out; FAIL_INVALID: content. */
 int mesh_import(mesh *out, const char *name, failure *f);
 
+/* Make v a unit vector, however small or large it is. Returns 0, and leaves v alone, if it has no direction. */
+int mesh_direction(double v[3]);
+
 /* Give every vertex of which known[] is 0 the mean normal of the triangles around its place, whatever their uv.
    Triangles without area count nothing; a vertex that has no others gets +z. */
 void mesh_make_normals(mesh *m, const uint8_t *known);

@@ -3,6 +3,8 @@
 
 #include <math.h>
 
+#include "vec3.h"
+
 #define PI 3.14159265358979323846
 
 int metric_normal(int i, int j, int size, double normal[3])
@@ -17,17 +19,6 @@ int metric_normal(int i, int j, int size, double normal[3])
     return 1;
 }
 
-static double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalize3(double a[3])
-{
-    double length = sqrt(dot3(a, a));
-    for (int k = 0; k < 3; k++) a[k] /= length;
-}
-
 void metric_local(const double normal[3], double phi_deg, double to_light[3], double to_eye[3])
 {
     double phi = phi_deg * (PI / 180);
@@ -35,7 +26,7 @@ void metric_local(const double normal[3], double phi_deg, double to_light[3], do
     double x[3] = {0, 0, 0};
     int axis = fabs(normal[0]) < 1 - 1e-9 ? 0 : 1;
     for (int k = 0; k < 3; k++) x[k] = (k == axis) - normal[axis] * normal[k];
-    normalize3(x);
+    normalise3(x);
     double y[3] = {normal[1] * x[2] - normal[2] * x[1], normal[2] * x[0] - normal[0] * x[2],
                    normal[0] * x[1] - normal[1] * x[0]};
     to_light[0] = dot3(light, x);

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "options.h"
+#include "vec3.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -15,17 +16,12 @@ static double square(double x)
     return x * x;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* Unit half vector h; returns cos(theta_diff) = l.h, or 0 if a direction is not above the horizon. */
 static double half_vector(const double l[3], const double v[3], double h[3])
 {
     if (!(l[2] > 0 && v[2] > 0)) return 0;
     for (int c = 0; c < 3; c++) h[c] = l[c] + v[c];
-    double length = sqrt(dot(h, h)); /* = 2 l.h for unit l and v */
+    double length = sqrt(dot3(h, h)); /* = 2 l.h for unit l and v */
     for (int c = 0; c < 3; c++) h[c] /= length;
     return length < 2 ? length / 2 : 1;
 }

@@ -75,6 +75,9 @@ static int unknown_option(const char *given, const option *table, size_t count, 
 static int store_value(const option *o, const char *text, failure *f)
 {
     char *end;
+    if (o->kind != OPTION_FLAG && !*text)
+        return fail(f, FAIL_USAGE, "%s: found an empty value, expected %s", o->name,
+                    o->argument ? o->argument : "VALUE");
     errno = 0;
     switch (o->kind) {
     case OPTION_FLAG:
@@ -149,6 +152,7 @@ int options_parse(int argc, char **argv, const char *usage, const option *table,
             int code = parse_option(argc, argv, &i, table, table_count, f);
             if (code) return code;
         } else {
+            if (!*word) return fail(f, FAIL_USAGE, "%s: found an empty argument; usage: %s", argv[0], usage);
             if (operands == high_count) return fail(f, FAIL_USAGE, "%s: one argument too many; usage: %s", word, usage);
             operand[operands++] = word;
         }

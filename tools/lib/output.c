@@ -140,6 +140,20 @@ int output_write_raw(const char *path, const bytes *b, failure *f)
     return bad ? fail(f, FAIL_IO, "%s: can't write %zu bytes: %s", path, b->size, strerror(error)) : FAIL_NONE;
 }
 
+int output_apart(const char *path, const char *input, failure *f)
+{
+    struct stat out, in;
+    if (!input || stat(path, &out) || stat(input, &in) || !S_ISREG(out.st_mode)) return FAIL_NONE;
+    if (out.st_dev != in.st_dev || out.st_ino != in.st_ino) return FAIL_NONE;
+    return fail(f, FAIL_USAGE, "-o %s: found the input, expected another file", path);
+}
+
+void output_discard(const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode)) unlink(path);
+}
+
 static void c_identifier(const char *path, char *out, size_t size)
 {
     const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;

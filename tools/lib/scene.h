@@ -7,6 +7,7 @@
 #include "gl_headless.h"
 #include "mesh.h"
 #include "nacre.h"
+#include "progress.h"
 
 #define SCENE_MAX_LIGHTS NACRE_MAX_LIGHTS
 #define SCENE_MAX_SIZE   4096
@@ -29,6 +30,7 @@ typedef struct scene {
     int output; /* nacre_output */
     int distant_viewer;
     int width, height;
+    progress *progress; /* told of rows by the slow renderers; may be NULL */
 } scene;
 
 /* ---- scene_build.c: lights, cameras, the exact sphere, anti-aliasing ------------------------------------------ */

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vec3.h"
+
 #define DEGREE (3.14159265358979323846 / 180)
 
 void matrix_identity(double m[16])
@@ -61,27 +63,6 @@ int matrix_invert(double out[16], const double m[16])
     for (row = 0; row < 4; row++)
         for (column = 0; column < 4; column++) out[4 * column + row] = a[row][4 + column];
     return 1;
-}
-
-static double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static double normalise3(double v[3])
-{
-    double length = sqrt(dot3(v, v));
-    int i;
-
-    for (i = 0; i < 3 && length > 0; i++) v[i] /= length;
-    return length;
-}
-
-static void cross3(double out[3], const double a[3], const double b[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
 void scene_begin(scene *s, const mesh *shape, int width, int height)

@@ -9,6 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "vec3.h"
+
 #define PI        3.14159265358979323846
 #define BAND_ROWS 16
 
@@ -33,26 +35,6 @@ typedef struct frame {
     int one_eye; /* to_eye holds for every pixel */
     vertex *vertices;
 } frame;
-
-static double dot3(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void normalise3(double v[3])
-{
-    double length = sqrt(dot3(v, v));
-    int i;
-
-    for (i = 0; i < 3 && length > 0; i++) v[i] /= length;
-}
-
-static void cross3(double out[3], const double a[3], const double b[3])
-{
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 static void turn3(double out[3], const double m[16], const double v[3])
 {
@@ -376,8 +358,13 @@ int scene_draw_double(const scene *s, const brdf *b, const double albedo[3], con
     set_ambient(&r, albedo);
     if (!s->exact_sphere) transform(&r);
     *out = image_u8_make(s->width, s->height, 4);
+    progress_begin(s->progress, "rows", s->height);
 #pragma omp parallel for schedule(dynamic)
-    for (row = 0; row < s->height; row += BAND_ROWS) draw_band(&r, row, out);
+    for (row = 0; row < s->height; row += BAND_ROWS) {
+        draw_band(&r, row, out);
+        progress_add(s->progress, fmin(BAND_ROWS, s->height - row));
+    }
+    progress_end(s->progress);
     free(r.vertices);
     return FAIL_NONE;
 }

@@ -281,8 +281,10 @@ static int draw_quads(scene_gles *g, const scene *s, nacre_gles_item item, nacre
     int i, quads = 0, code = FAIL_NONE, pixels = s->width * s->height;
 
     if (!scene_clip_to_object(s, clip_to_object)) code = fail(f, FAIL_USAGE, "the camera's matrix has no inverse");
+    progress_begin(s->progress, "rows", s->height);
     for (i = 0; i < pixels && !code; i++) {
         scene_hit hit;
+        if (i % s->width == 0) progress_add(s->progress, 1);
         if (!scene_sphere_hit(s, clip_to_object, i % s->width, i / s->width, &hit)) continue;
         set_quad(vertices + 4 * quads, s, clip_to_object, i % s->width, i / s->width, &hit);
         if (++quads < BATCH_QUADS) continue;
@@ -290,6 +292,7 @@ static int draw_quads(scene_gles *g, const scene *s, nacre_gles_item item, nacre
         quads = 0;
     }
     if (!code) code = draw_batch(g, item, buffers, vertices, quads, view, f);
+    progress_end(s->progress);
     free(vertices);
     return code;
 }

@@ -29,8 +29,12 @@ static int open_bytes(scene_material *m, nacre_role role, const char *path, fail
     nacre_result r = nacre_image_open(&m->image[role], m->file[role].data, m->file[role].size);
 
     if (r) return fail(f, FAIL_INVALID, "%s: %s, expected a KTX2 file of nacre's profile", path, nacre_result_text(r));
-    if (!asset_key_is(&m->image[role], NACRE_KEY_ROLE, role_names[role]))
-        return fail(f, FAIL_INVALID, "%s: key %s, expected \"%s\"", path, NACRE_KEY_ROLE, role_names[role]);
+    if (!asset_key_is(&m->image[role], NACRE_KEY_ROLE, role_names[role])) {
+        char found[40];
+        ktx2_role(&m->image[role], found, sizeof found);
+        return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"%s\"", path, NACRE_KEY_ROLE, found,
+                    role_names[role]);
+    }
     m->material.image[role] = &m->image[role];
     return FAIL_NONE;
 }
@@ -56,11 +60,16 @@ static int open_file(scene_material *m, const char *path, failure *f)
     r = nacre_image_open(&image, file.data, file.size);
     role = r ? -1 : role_of(&image);
     if (role != NACRE_ROLE_TABLE && role != NACRE_ROLE_SPHERES) {
-        bytes_free(&file);
+        char found[40];
         if (r)
-            return fail(f, FAIL_INVALID, "%s: %s, expected a KTX2 file of nacre's profile", path, nacre_result_text(r));
-        return fail(f, FAIL_INVALID, "%s: key %s, expected \"table\" or \"spheres\" for a material", path,
-                    NACRE_KEY_ROLE);
+            code = fail(f, FAIL_INVALID, "%s: %s, expected a KTX2 file of nacre's profile", path, nacre_result_text(r));
+        else {
+            ktx2_role(&image, found, sizeof found);
+            code = fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"table\" or \"spheres\" for a material",
+                        path, NACRE_KEY_ROLE, found);
+        }
+        bytes_free(&file);
+        return code;
     }
     m->file[role] = file;
     return open_bytes(m, (nacre_role)role, path, f);
@@ -178,7 +187,7 @@ static int has_roles(const char *text)
 {
     size_t name = strcspn(text, "=,:/");
 
-    return text[name] == '=' && role_named(text, name) >= 0;
+    return text[name] == '=';
 }
 
 static int open_any(scene_material *m, const char *text, int exact, failure *f)

@@ -12,6 +12,7 @@
 #include "pixels.h"
 #include "sphere_fit.h"
 #include "texel_encode.h"
+#include "vec3.h"
 
 /*
  * Image i of the cosine-free mode holds g_i(n) = pi f_r at light polar angle phi_i. In coordinates of the half vector that is
@@ -45,11 +46,6 @@ static layer_geometry geometry_of(double polar_deg)
     return g;
 }
 
-static double dot(const double a[3], const double b[3])
-{
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* f_r at normal n for directions of the same space. */
 static int eval_at(const brdf *b, const double n[3], const double light[3], const double eye[3], double f_r[3])
 {
@@ -57,8 +53,8 @@ static int eval_at(const brdf *b, const double n[3], const double light[3], cons
     double x[3], length = sqrt(1 - n[axis] * n[axis]);
     for (int k = 0; k < 3; k++) x[k] = ((k == axis) - n[axis] * n[k]) / length;
     double y[3] = {n[1] * x[2] - n[2] * x[1], n[2] * x[0] - n[0] * x[2], n[0] * x[1] - n[1] * x[0]};
-    double to_light[3] = {dot(light, x), dot(light, y), dot(light, n)};
-    double to_eye[3] = {dot(eye, x), dot(eye, y), dot(eye, n)};
+    double to_light[3] = {dot3(light, x), dot3(light, y), dot3(light, n)};
+    double to_eye[3] = {dot3(eye, x), dot3(eye, y), dot3(eye, n)};
     return b->eval(b, to_light, to_eye, f_r);
 }
 
@@ -67,7 +63,7 @@ static int eval_at(const brdf *b, const double n[3], const double light[3], cons
    (c <= 0 can't see both for any d: n is lifted towards the half vector first). */
 static int extend(const brdf *b, const layer_geometry *g, const double n[3], double f_r[3])
 {
-    double in_half[3] = {dot(n, g->across), n[1], dot(n, g->half)};
+    double in_half[3] = {dot3(n, g->across), n[1], dot3(n, g->half)};
     if (in_half[2] < extension_cosine) {
         double lie = hypot(in_half[0], in_half[1]), to = sqrt(1 - extension_cosine * extension_cosine);
         in_half[0] *= to / lie;
@@ -92,7 +88,7 @@ static int cosine_free_at(const brdf *b, const layer_geometry *g, double x, doub
         y *= most / r;
     }
     const double n[3] = {x, y, sqrt(1 - x * x - y * y)};
-    double n_dot_l = dot(n, g->light);
+    double n_dot_l = dot3(n, g->light);
     int known = n_dot_l > 0 ? eval_at(b, n, g->light, eye, out) : extend(b, g, n, out);
     for (int c = 0; c < 3; c++) out[c] = known && isfinite(out[c]) && out[c] > 0 ? pi * out[c] : 0;
     return known;
@@ -103,7 +99,7 @@ static void paper_at(const brdf *b, const layer_geometry *g, const double scale[
 {
     static const double eye[3] = {0, 0, 1};
     const double n[3] = {x, y, sqrt(1 - x * x - y * y)};
-    double n_dot_l = dot(n, g->light);
+    double n_dot_l = dot3(n, g->light);
     if (n_dot_l <= 0 || !eval_at(b, n, g->light, eye, out)) {
         out[0] = out[1] = out[2] = 0;
         return;
@@ -116,7 +112,11 @@ typedef struct render_job {
     const sphere_asset *asset;
     double exposure;
     int samples; /* a side, of a texel */
+    progress *progress;
 } render_job;
+
+/* Of the work for an image, what its samples take; the rest is the choice of texels, about the same for each channel. */
+static const double render_part = 0.5;
 
 /* Give entries of a square grid without data the mean of their neighbours that have some, ring by ring. */
 static void fill_unknown(float *rgb, uint8_t *known, int size)
@@ -165,7 +165,7 @@ static void render_layer(const render_job *job, int layer, float *rgb)
     layer_geometry g = geometry_of(a->polar[layer]);
     uint8_t *known = need_memory((size_t)side, (size_t)side);
 #pragma omp parallel for schedule(dynamic, 8)
-    for (int j = 0; j < side; j++)
+    for (int j = 0; j < side; j++) {
         for (int i = 0; i < side; i++) {
             size_t at = (size_t)j * (size_t)side + (size_t)i;
             double point[2], value[3] = {0, 0, 0};
@@ -177,6 +177,8 @@ static void render_layer(const render_job *job, int layer, float *rgb)
                 paper_at(job->b, &g, a->scale, point[0], point[1], value);
             for (size_t c = 0; c < 3; c++) rgb[3 * at + c] = (float)value[c];
         }
+        progress_add(job->progress, render_part / side);
+    }
     fill_unknown(rgb, known, side);
     free(known);
 }
@@ -372,6 +374,7 @@ static void fit_codes(const render_job *job, int layer, const float *sample, flo
                    a->format == NACRE_FORMAT_RGB565 ? code_levels(a->format, c) : 0);
         free(weight);
         free(target);
+        progress_add(job->progress, (1 - render_part) / 3);
     }
 }
 
@@ -384,7 +387,10 @@ static void encode_layer(const render_job *job, sphere_asset *a, int layer, cons
     for (int level = 0; level < a->levels; level++) {
         size_t count = (size_t)size * (size_t)size, part = texel_bytes(a->format, size, size);
         for (size_t i = 0; i < 3 * count; i++) code[i] = encode_value(a, (double)rgb[i], (int)(i % 3));
-        if (level == 0 && a->mode == SPHERE_COSINE_FREE) fit_codes(job, layer, sample, code);
+        if (level == 0 && a->mode == SPHERE_COSINE_FREE)
+            fit_codes(job, layer, sample, code);
+        else if (level == 0)
+            progress_add(job->progress, 1 - render_part);
         texel_encode(a->format, code, size, size, a->level[level].data + part * (size_t)layer);
         if (level + 1 < a->levels) mip_halve(rgb, coverage, size, size, 3, rgb, coverage);
         size /= 2;
@@ -454,7 +460,7 @@ int sphere_bake(sphere_asset *out, const brdf *b, const sphere_options *options,
     snprintf(a.name, sizeof a.name, "%s", b->name);
     brdf_albedo(b, a.albedo);
     /* the paper's 512 texels a side are fine enough for four samples each */
-    render_job job = {b, &a, brdf_exposure(b), a.mode == SPHERE_PAPER ? 2 : 3};
+    render_job job = {b, &a, brdf_exposure(b), a.mode == SPHERE_PAPER ? 2 : 3, o->progress};
 
     double scale[3] = {job.exposure, job.exposure, job.exposure};
     if (a.mode == SPHERE_COSINE_FREE) choose_scales(&job, scale);
@@ -463,12 +469,14 @@ int sphere_bake(sphere_asset *out, const brdf *b, const sphere_options *options,
     size_t texels = (size_t)a.size * (size_t)a.size;
     float *sample = need_memory(texels * (size_t)(job.samples * job.samples), 3 * sizeof *sample);
     float *rgb = need_memory(texels, 3 * sizeof *rgb), *coverage = need_memory(texels, sizeof *coverage);
+    progress_begin(job.progress, "images", a.layers);
     for (int i = 0; i < a.layers; i++) {
         render_layer(&job, i, sample);
         average(&job, sample, rgb);
         cover(&job, coverage);
         encode_layer(&job, &a, i, sample, rgb, coverage);
     }
+    progress_end(job.progress);
     free(coverage);
     free(rgb);
     free(sample);
@@ -560,8 +568,11 @@ static int read_keys(sphere_asset *a, const nacre_image *image, const char *path
 int sphere_read(sphere_asset *out, const nacre_image *image, const char *path, failure *f)
 {
     sphere_asset a = {.size = image->width, .layers = image->layers, .levels = image->levels, .format = image->format};
-    if (!asset_key_is(image, NACRE_KEY_ROLE, "spheres"))
-        return fail(f, FAIL_INVALID, "%s: key %s: expected \"spheres\"", path, NACRE_KEY_ROLE);
+    if (!asset_key_is(image, NACRE_KEY_ROLE, "spheres")) {
+        char found[40];
+        ktx2_role(image, found, sizeof found);
+        return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"spheres\"", path, NACRE_KEY_ROLE, found);
+    }
     if (!texel_bytes(a.format, 1, 1))
         return fail(f, FAIL_UNSUPPORTED, "%s: found vkFormat %d, expected RGBA8, RGB565 or ETC2 RGB8", path, a.format);
     if (image->width != image->height || image->faces != 1)

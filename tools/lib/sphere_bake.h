@@ -6,6 +6,7 @@
 #include "brdf.h"
 #include "nacre.h"
 #include "output.h"
+#include "progress.h"
 
 enum { SPHERE_MAX_LAYERS = 16, SPHERE_MIN_SIZE = 8, SPHERE_MAX_SIZE = 2048 };
 #define SPHERE_MIN_STEP_DEG 0.5 /* least difference of neighbouring light polar angles */
@@ -20,6 +21,7 @@ typedef struct sphere_options { /* zero means default */
     int format; /* NACRE_FORMAT_RGBA8 (default), _RGB565, _ETC2_RGB8 (ETC1 modes only) */
     int no_pad; /* 1: disc touches the image's edge; always so in paper mode */
     int no_mips;
+    progress *progress; /* told of images; may be NULL */
 } sphere_options;
 
 typedef struct sphere_asset {

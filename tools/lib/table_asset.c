@@ -61,8 +61,11 @@ static void read_name(const nacre_image *image, char *name, size_t capacity)
 
 static int check_shape(const nacre_image *image, const char *path, failure *f)
 {
-    if (!text_is(image, NACRE_KEY_ROLE, "table"))
-        return fail(f, FAIL_INVALID, "%s: key %s: expected \"table\"", path, NACRE_KEY_ROLE);
+    if (!text_is(image, NACRE_KEY_ROLE, "table")) {
+        char found[40];
+        ktx2_role(image, found, sizeof found);
+        return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"table\"", path, NACRE_KEY_ROLE, found);
+    }
     if (!text_is(image, NACRE_KEY_TRANSFER, "root"))
         return fail(f, FAIL_INVALID, "%s: key %s: expected \"root\"", path, NACRE_KEY_TRANSFER);
     if (image->format != NACRE_FORMAT_RGBA8 || image->levels != 1 || image->faces != 1 || image->layers > 2)

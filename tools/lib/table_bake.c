@@ -147,7 +147,8 @@ static void set_scales(table_asset *t, const table_model *m, table_tier tier, co
 }
 
 /* Codes of the range of coefficients that draws best: a few large ones may be cut so that all others get finer steps. */
-static void encode(table_asset *t, const table_model *m, const table_samples *s, table_tier tier, const double *x)
+static void encode(table_asset *t, const table_model *m, const table_samples *s, const table_options *o,
+                   const double *x)
 {
     table_hold hold = hold_of(s, t, 0);
     table_problem p = table_problem_make(m, s, &hold);
@@ -158,8 +159,9 @@ static void encode(table_asset *t, const table_model *m, const table_samples *s,
     table_asset tried = *t;
     tried.rgba = need_memory(size, 1);
     for (int i = 0; i < RANGES; i++) {
-        set_scales(&tried, m, tier, x, pow(RANGE_STEP, -i));
+        set_scales(&tried, m, o->tier, x, pow(RANGE_STEP, -i));
         double error = table_round(&tried, &p, x);
+        progress_add(o->progress, 1);
         if (error >= best) continue;
         best = error;
         memcpy(t->rgba, tried.rgba, size);
@@ -187,13 +189,17 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
     table_samples samples;
     result = table_samples_make(&samples, b, &t, f);
     if (result) return result;
+    progress_begin(o.progress, "steps", 1 + DISPLAY_STEPS + RANGES);
     brdf_albedo(b, t.albedo);
     for (int k = 0; k < 3; k++) t.albedo[k] = round_q16(t.albedo[k]);
 
     table_model model = model_of(o.tier, &t, &samples);
+    progress_add(o.progress, 1);
     double *x = fit(&model, &samples, &t, DISPLAY_STEPS);
     clamp_roots(&model, &samples, x);
-    encode(&t, &model, &samples, o.tier, x);
+    progress_add(o.progress, DISPLAY_STEPS);
+    encode(&t, &model, &samples, &o, x);
+    progress_end(o.progress);
     free(x);
     table_samples_free(&samples);
     *out = t;

@@ -8,6 +8,7 @@
 #include "brdf.h"
 #include "nacre.h"
 #include "output.h"
+#include "progress.h"
 
 #define TABLE_MIN_SIDE 4
 #define TABLE_MAX_SIDE 128
@@ -22,6 +23,7 @@ typedef struct table_options { /* zero means default */
     table_tier tier;           /* TABLE_RGB: no phi_d term, W = 0 */
     double power;              /* p: 4.8 or 4 (4.8) */
     double eps;                /* 2^-16..1/2 (2^-8) */
+    progress *progress;        /* told of steps; may be NULL */
 } table_options;
 
 typedef struct table_asset {
