@@ -32,7 +32,8 @@ typedef struct nacre_gles_desc {
    932 + 112 a program + 320 an item + 16 a texture: 7,716 by default. */
 size_t nacre_gles_size(const nacre_gles_desc *desc);
 
-/* The calling thread's GL context must be current, here and in every call below but abandon.
+/* The calling thread's GL context must be current, here and in every call below but abandon, texture_bytes and changed;
+   until abandon always the same one.
    Init, add, prepare, restore, and draws that must compile or make targets, read glGetError: an error that was pending
    is dropped.
    NACRE_ERR_UNSUPPORTED: an entry point is missing, or the context is older than ES 2.0 / GL 2.0 + ES2 compatibility.
@@ -47,7 +48,8 @@ nacre_result nacre_gles_init(nacre_gles **out, void *block, size_t size, const n
 #define NACRE_GLES_ATTRIBUTE_COUNT 4
 
 typedef struct nacre_gles_attribute {
-    uint32_t type;      /* GL enum: GL_FLOAT 0x1406, GL_SHORT 0x1402, GL_BYTE 0x1400, ... */
+    uint32_t type;      /* GL enum: GL_FLOAT 0x1406, GL_FIXED 0x140C, GL_HALF_FLOAT 0x140B or 0x8D61, GL_BYTE 0x1400,
+                           GL_SHORT 0x1402, or the unsigned 0x1401, 0x1403. The device must have it */
     uint8_t count;      /* 1..4 components; 0: the mesh has no such attribute */
     uint8_t normalized; /* 1: integer types map to -1..1 or 0..1 */
     uint32_t offset;    /* bytes into the vertex buffer */
@@ -69,7 +71,8 @@ typedef struct nacre_gles_buffers {
 /* Upload straight from the borrowed bytes. The structs are copied, but the images, their bytes, vertices and indices
    are borrowed until the item is removed, so that restore can repeat it. Textures are shared by items whose material
    names the same nacre_image. Mips that a device can't use (ES 2.0: sides that are no powers of two, chains cut short)
-   are not uploaded; an image larger than the device's textures starts at its first level that fits.
+   are not uploaded; nor do such normal maps repeat there; an image larger than the device's textures starts at its first
+   level that fits.
    NACRE_ERR_ARGUMENT: material or mesh not valid. NACRE_ERR_ASSET: an image lacks what its model needs.
    NACRE_ERR_UNSUPPORTED: a texture format or size that the device has not.
    NACRE_ERR_BUDGET: texture_budget, max_textures or max_items; nothing was created.
@@ -90,13 +93,18 @@ nacre_result nacre_gles_set_buffers(nacre_gles *gles, nacre_gles_item item, cons
    not at the first draw. */
 nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const nacre_view *view);
 
-/* Draw. Puts back every GL state it changes (see host_resets_state). Framebuffer, viewport, blend, depth and cull
-   are the caller's; where there are no vertex arrays, instance divisors of arrays 0..3 must be 0. Alpha is written
-   as 1. Lights that one program can't hold on this device (uniform vectors, texture units) are drawn in passes through
-   render targets of nacre's own, as large as the viewport (18 bytes a pixel, counted in texture_budget, kept until the
-   viewport changes), that hold linear sums at 15.7 bits a channel for the nearest surface of the item at each pixel, by
-   a depth buffer of their own (projections that let depth fall with distance are understood). prepare compiles their
-   programs, up to seven.
+/* Draw. Puts back every GL state it changes (see host_resets_state). Framebuffer, viewport, blend, depth, stencil, masks
+   and cull are the caller's; where there are no vertex arrays, instance divisors of arrays 0..3 must be 0. Alpha is
+   written as 1.
+   Lights that one program can't hold on this device (uniform vectors, texture units; with directions per pixel, GLSL ES
+   1.00 programs hold 4 lights of a table, 2 of spheres, 1 of spheres with the cosine in the image) are drawn in passes
+   through render targets of nacre's own, as large as the viewport (18 bytes a pixel, counted in texture_budget, kept
+   until the viewport changes). They hold linear sums at 15.7 bits a channel, up to 1 (NACRE_OUTPUT_LINEAR: 16), for the
+   nearest surface of the item at each pixel, by a depth buffer of their own (projections, and a glDepthRange, that let
+   depth fall with distance are understood; an empty range is not). The last pass alone draws to the caller's
+   framebuffer, with the caller's depth, stencil, blend and mask states. There is one sum a pixel: in a multisampled
+   framebuffer, samples of pixels whose centre the item misses get ambient alone. prepare compiles the passes' programs,
+   up to seven.
    No errors are read: NACRE_ERR_GL and LOST come only from compiling and from making targets. NACRE_ERR_ARGUMENT: the
    view is not valid, or the item is unknown, only bound, or waits for set_buffers. NACRE_ERR_UNSUPPORTED: not even one
    light fits, or the viewport is larger than textures may be. NACRE_ERR_BUDGET: the targets. NACRE_ERR_LOST also: known
@@ -105,8 +113,9 @@ nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item item, const nacre
 
 /* For applications with a draw loop of their own: make the program current, bind the textures, set every uniform;
    *program (may be NULL) receives the GL name. Attributes are at NACRE_GLES_*. NACRE_ERR_UNSUPPORTED when this view
-   needs more than one pass. unbind puts back what bind changed (nothing with host_resets_state); a second bind unbinds
-   first. */
+   needs more than one pass, see draw: every device holds four lights of a table in one, two of spheres (one, where the
+   cosine is in the image). unbind puts back what bind changed (nothing with host_resets_state); a second bind
+   unbinds first. Between bind and unbind no other item may be drawn or prepared: that may drop the program. */
 nacre_result nacre_gles_bind(nacre_gles *gles, nacre_gles_item item, const nacre_view *view, uint32_t *program);
 nacre_result nacre_gles_unbind(nacre_gles *gles);
 

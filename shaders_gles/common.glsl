@@ -16,6 +16,7 @@
 #ifdef STAGE_VERTEX
 precision highp float;
 #define HIGHP highp
+#define UNIT mediump
 #else
 precision mediump float;
 // Positions and texture coordinates of normal maps want more than 11 bits; everything else is safe in fp16.
@@ -24,9 +25,15 @@ precision mediump float;
 #else
 #define HIGHP mediump
 #endif
+// Unit vectors. Tables with directions per pixel want small differences of them.
+#if PERSP && LAYERS == 0
+#define UNIT HIGHP
+#else
+#define UNIT mediump
+#endif
 #endif
 
-varying mediump vec3 v_normal;
+varying UNIT vec3 v_normal;
 #if NORMAL_MAP
 varying mediump vec3 v_tangent;
 varying mediump vec3 v_bitangent;

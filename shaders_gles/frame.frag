@@ -16,7 +16,7 @@ out mediump vec4 o_color;
 #define gl_FragColor o_color
 #endif
 
-vec3 surface_normal()
+UNIT vec3 surface_normal()
 {
 #if NORMAL_MAP
     vec3 m = texture2D(u_normal_map, v_uv).rgb * 2.0 - 1.0;
@@ -49,9 +49,9 @@ vec3 encode(vec3 radiance)
 void main()
 {
 #if LIGHTS
-    vec3 n = surface_normal();
+    UNIT vec3 n = surface_normal();
 #if PERSP
-    vec3 v = normalize(u_eye[0].xyz - u_eye[0].w * v_position);
+    UNIT vec3 v = normalize(u_eye[0].xyz - u_eye[0].w * v_position);
 #endif
 #endif
 #if FORM == FORM_SRGB

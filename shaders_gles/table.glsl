@@ -18,16 +18,15 @@ uniform vec4 u_model[2 + PHID];
 #define BIAS u_model[0].y
 #define PHI u_model[2]
 #elif LIGHTS == 1
-// u_half: h, sqrt(2 eps)   u_light: l (FORM_SRGB: 8192 l), S   u_slope: l - v, bias   u_factor: rgb, row
+// In the frame where h = +z and l, v lie in the plane y = 0: n - h is then small and exact near the peak.
+// u_half: l.z, 0, 1, sqrt(2 eps)   u_light: l (FORM_SRGB: 2^lift l), S   u_factor: rgb, row
+// u_model: W (l.x - v.x)^2, or K1 (l.x - v.x)^2 and K2 |l.x - v.x|; bias in w
 uniform vec4 u_half[1];
 uniform vec4 u_light[1];
-uniform vec4 u_slope[1];
 uniform vec4 u_factor[1];
-#if PHID
-uniform vec4 u_model[1]; // W, or K1 and K2
-#endif
+uniform vec4 u_model[1];
 #define SCALE u_light[0].w
-#define BIAS u_slope[0].w
+#define BIAS u_model[0].w
 #define PHI u_model[0]
 #elif LIGHTS
 // u_half: h, sqrt(2 eps)   u_light: l, S   u_factor: rgb, row   u_model: [0] W, or K1 and K2; bias in w
@@ -42,7 +41,7 @@ uniform vec4 u_model[1];
 
 #if LIGHTS
 // Floor under logarithms: 2^-14, the smallest normal number of fp16. Where n.l itself stands there (FORM_SRGB), the CPU
-// has multiplied it by 2^13 (PERSP: 2^6), or grazing lights of shiny materials would light the dark side.
+// has multiplied it by 2^lift (PERSP: 2^6), or grazing lights of shiny materials would light the dark side.
 #define DARK 0.00006103516
 
 // q = |d|^2 + 2 eps, slope = n.l - n.v
@@ -87,44 +86,47 @@ vec3 table_light(vec3 y, float cosine, vec3 factor)
 }
 
 #if PERSP
-vec3 light(vec3 n, vec3 v, HIGHP vec4 place, vec3 factor)
+vec3 light(UNIT vec3 n, UNIT vec3 v, HIGHP vec4 place, vec3 factor)
 {
     HIGHP vec3 r = place.xyz - place.w * v_position;
     HIGHP float inverse = inversesqrt(dot(r, r));
-    vec3 l = r * inverse;
+    UNIT vec3 l = r * inverse;
 #if FORM == FORM_SRGB
     float near = min(inverse, 128.0); // |r| is 1/8 at the centre of the mesh
 #else
     float near = min(inverse, 16.0);  // 1
 #endif
-    vec3 sum = l + v;
-    float i = inversesqrt(max(dot(sum, sum), 0.0009765625)); // 1 / (2 l.h), l.h >= 2^-6
-    vec3 h = sum * i;
-    vec3 d = n - h;
-    float away = max(1.0 - 0.5 * dot(sum, sum) * i, 0.0); // 1 - l.h
+    UNIT vec3 sum = l + v;
+    UNIT float i = inversesqrt(max(dot(sum, sum), 0.0009765625)); // 1 / (2 l.h), l.h >= 2^-6
+    UNIT vec3 h = sum * i;
+    UNIT vec3 d = n - h;
+    UNIT float twice = dot(sum, sum) * i; // 2 l.h
+    UNIT float away = max(1.0 - 0.5 * twice, 0.0);
     float nl = dot(n, l);
     float row = sqrt(away) * u_model[1].x + (away * u_model[1].y + u_model[1].z);
-    vec3 y = table_root(dot(d, d) + u_model[0].z, nl - dot(n, v), row);
+    float slope = min(abs(nl - dot(n, v)), twice); // no more where lit and seen; beyond, nothing bounds the phi_d term
+    vec3 y = table_root(dot(d, d) + u_model[0].z, slope, row);
     return table_light(y, nl * i * near * near, factor);
 }
 #define LIGHT(i) light(n, v, u_light[i], u_factor[i].rgb)
 #else
 // The order of the first lines is the one that compiles to fewest words.
-vec3 light(vec3 n, vec4 middle, vec3 to_light, vec3 across, vec4 factor)
+vec3 light(vec3 n, vec4 middle, vec3 to_light, vec4 factor, float limit)
 {
     vec4 d = vec4(n, 0.0) - middle; // the constant sqrt(2 eps) in w comes along in the dot product
     float nl = dot(n, to_light);
 #if LIGHTS == 1
-    float slope = dot(n, across);
+    // (n.l - n.v) / (l.x - v.x): at most cos where lit and seen; beyond, nothing bounds the phi_d term
+    float slope = min(abs(n.x), limit);
 #else
     float slope = nl - n.z;
 #endif
     return table_light(table_root(dot(d, d), slope, factor.w), nl, factor.rgb);
 }
 #if LIGHTS == 1
-#define LIGHT(i) light(n, u_half[i], u_light[i].xyz, u_slope[i].xyz, u_factor[i])
+#define LIGHT(i) light(n, u_half[i].yyzw, u_light[i].xyz, u_factor[i], u_half[i].x)
 #else
-#define LIGHT(i) light(n, u_half[i], u_light[i].xyz, u_half[i].xyz, u_factor[i])
+#define LIGHT(i) light(n, u_half[i], u_light[i].xyz, u_factor[i], 2.0)
 #endif
 #endif
 #endif

@@ -87,9 +87,8 @@ nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl)
     c.npot = c.desktop || c.es3 || has_extension(gl, major, "GL_OES_texture_npot");
     c.index_uint = c.desktop || c.es3 || has_extension(gl, major, "GL_OES_element_index_uint");
     c.two_framebuffers = version >= 30;
-    c.vertex_arrays = gl->GenVertexArrays && gl->DeleteVertexArrays && gl->BindVertexArray &&
-                      (version >= 30 || has_extension(gl, major, "GL_OES_vertex_array_object"));
-    c.samplers = gl->BindSampler && (c.desktop ? version >= 33 : version >= 30);
+    c.vertex_arrays = gl->GenVertexArrays && gl->DeleteVertexArrays && gl->BindVertexArray;
+    c.samplers = gl->BindSampler != NULL;
     if (c.es3)
         c.etc1 = c.etc2 = GLES_COMPRESSED_RGB8_ETC2;
     else if (has_extension(gl, major, "GL_OES_compressed_ETC1_RGB8_texture"))
@@ -107,11 +106,32 @@ nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl)
 #define NAME_V(name, parameters, arguments)       #name "\0"
 #define NAME_R(type, name, parameters, arguments) #name "\0"
 static const char required_names[] = GLES_PROCS(NAME_V, NAME_R);
-static const char optional_names[] = GLES_OPTIONAL_PROCS(NAME_V, NAME_R);
 #undef NAME_V
 #undef NAME_R
 
 typedef void(GLES_APIENTRY *any_proc)(void);
+
+/* Where entry points beyond ES 2.0 come from: a version, or an extension with a suffix of its own. Loaders may answer for
+   functions that the context has not, so only those that it must have are asked for. */
+static const struct {
+    uint16_t offset;     /* in gles_procs */
+    uint8_t es, desktop; /* 10 * major + minor, 0: never */
+    char name[24], suffix[4], extension[28];
+} optional[] = {
+#define ROW(name, es, desktop, suffix, extension)                                                                      \
+    {                                                                                                                  \
+        offsetof(gles_procs, name), es, desktop, #name, suffix, extension                                              \
+    }
+    ROW(GetStringi, 30, 30, "", ""), /* first: lists extensions */
+    ROW(GenVertexArrays, 30, 30, "OES", "GL_OES_vertex_array_object"),
+    ROW(DeleteVertexArrays, 30, 30, "OES", "GL_OES_vertex_array_object"),
+    ROW(BindVertexArray, 30, 30, "OES", "GL_OES_vertex_array_object"),
+    ROW(BindSampler, 30, 33, "", ""),
+    ROW(GetGraphicsResetStatus, 32, 45, "KHR", "GL_KHR_robustness"),
+    ROW(GetGraphicsResetStatus, 0, 0, "EXT", "GL_EXT_robustness"),
+    ROW(GetGraphicsResetStatus, 0, 0, "ARB", "GL_ARB_robustness"),
+#undef ROW
+};
 
 /* "gl" name suffix, and how the caller's loader answers. text holds 40 characters: the longest name has 23. */
 static void *ask(const nacre_gles_desc *desc, char *text, const char *name, const char *suffix)
@@ -125,14 +145,33 @@ static void *ask(const nacre_gles_desc *desc, char *text, const char *name, cons
     return desc->get_proc(desc->user, text);
 }
 
+/* The pointers of gl are NULL before. On desktop GL, names of KHR extensions have no suffix. */
+static void load_optional(const nacre_gles_desc *desc, gles_procs *gl)
+{
+    const char *text = (const char *)gl->GetString(GLES_VERSION);
+    char name[40];
+    uint8_t desktop = 0;
+    const unsigned version = text ? parse_version(text, &desktop) : 0;
+    unsigned i;
+    for (i = 0; i < sizeof optional / sizeof *optional; i++) {
+        char *const at = (char *)gl + optional[i].offset;
+        const unsigned since = desktop ? optional[i].desktop : optional[i].es;
+        void *proc = NULL;
+        if (since && version >= since)
+            proc = ask(desc, name, optional[i].name, "");
+        else if (version && *optional[i].extension && has_extension(gl, version / 10, optional[i].extension))
+            proc = ask(desc, name, optional[i].name, desktop && *optional[i].suffix == 'K' ? "" : optional[i].suffix);
+        if (proc) memcpy(at, &proc, sizeof proc);
+    }
+}
+
 nacre_result gles_procs_load(nacre_gles *gles)
 {
-    static const char suffixes[][4] = {"", "OES", "KHR", "EXT", "ARB"};
     char *out = (char *)&gles->gl;
     const char *name;
     char text[40];
     void *proc;
-    unsigned i;
+    memset(&gles->gl, 0, sizeof gles->gl);
     /* ISO C has no cast from void * to a function pointer; where there is a GL loader the bits are the same. */
     for (name = required_names; *name; name++) {
         proc = ask(&gles->desc, text, name, "");
@@ -141,13 +180,6 @@ nacre_result gles_procs_load(nacre_gles *gles)
         out += sizeof(any_proc);
         while (*name) name++;
     }
-    for (name = optional_names; *name; name++) {
-        proc = NULL;
-        for (i = 0; i < sizeof suffixes / sizeof *suffixes && !proc; i++)
-            proc = ask(&gles->desc, text, name, suffixes[i]);
-        memcpy(out, &proc, sizeof proc);
-        out += sizeof(any_proc);
-        while (*name) name++;
-    }
+    load_optional(&gles->desc, &gles->gl);
     return NACRE_OK;
 }

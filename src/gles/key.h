@@ -16,8 +16,7 @@ typedef enum gles_key_model { GLES_KEY_TABLE, GLES_KEY_FINE, GLES_KEY_SPHERES, G
 
 /* Passes, for light counts that one program can't hold. SUM_HIGH and SUM_LOW are drawn one after the other into two
    RGBA8 targets of the viewport's size, cleared to 0 before the first lights: they read both bytes of the previous sum,
-   add their 1, 2 or 4 lights (fill up with lights of the frame that have no factor: index >= light_count) and write the
-   high or the low byte of the new sum. LAST has no lights: it reads the sum, adds ambient, encodes to the caller's
+   add their 1, 2 or 4 lights and write the high or the low byte of the new sum. LAST has no lights: it reads the sum, adds ambient, encodes to the caller's
    target. Sums are clamped to 1 (srgb, sqrt) or to 16 (linear output, held x 1/16; gles_uniforms_set scales). The
    previous sum is read with texture2DProj at the pixel's own place: nearest filter, clamp to edge; the viewport is the
    whole target. */

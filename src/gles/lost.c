@@ -135,8 +135,10 @@ nacre_result gles_start(nacre_gles *gles)
     if (!result) result = gles_caps_read(&gles->caps, &gles->gl);
     if (result == NACRE_ERR_UNSUPPORTED) gles_fail(gles, result, "no OpenGL ES 2.0", NULL);
     if (!result) result = total_cost(gles, &bytes);
-    if (result) return result;
-
+    if (result) {
+        gles->lost = 0; /* as after abandon */
+        return result;
+    }
     gles->resident = 1;
     gles_upload_begin(gles, &saved);
     if (gles->caps.vertex_arrays) {

@@ -60,16 +60,19 @@ static void host_put_back(const nacre_gles *gles, const host_state *s)
     for (i = 0; i < 4; i++) set_switch(gl, i, s->enabled[i]);
 }
 
-/* 1 when depth falls with distance: reversed projections. The sign of d depth / d z, which is positive then. */
-static int depth_is_reversed(const nacre_mat4 *p)
+/* 1 when depth falls with distance: a reversed projection (the sign of d depth / d z, which is positive then), or a
+   reversed depth range. */
+static int depth_is_reversed(const gles_procs *gl, const nacre_mat4 *p)
 {
-    return (int64_t)p->m[10] * p->m[15] - (int64_t)p->m[14] * p->m[11] > 0;
+    gl_float range[2] = {0, 1};
+    gl->GetFloatv(GLES_DEPTH_RANGE, range);
+    return ((int64_t)p->m[10] * p->m[15] - (int64_t)p->m[14] * p->m[11] > 0) != (range[0] > range[1]);
 }
 
 static void passes_state(const nacre_gles *gles, const gles_draw *draw)
 {
     const gles_procs *gl = &gles->gl;
-    const int reversed = depth_is_reversed(&draw->view->view_to_clip);
+    const int reversed = depth_is_reversed(gl, &draw->view->view_to_clip);
     unsigned i;
     gl->Viewport(0, 0, gles->targets.width, gles->targets.height);
     for (i = 0; i < 4; i++) set_switch(gl, i, i == 0);

@@ -75,7 +75,7 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
     if (!lights) return common;
     if (is_table(key)) {
         if (key->persp) return common + 2 * lights + 3 + key->phid;
-        return common + (lights == 1 ? 4u + key->phid : 3 * lights + 1);
+        return common + (3 * lights + 1);
     }
     if (key->persp) return common + 2 * lights + 1 + (key->layers > 4 ? 10 : 5);
     return common + 6 * lights;

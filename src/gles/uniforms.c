@@ -124,7 +124,7 @@ static int cofactors(matrix3 m, matrix3 out)
     return determinant < 0 ? -1 : 1;
 }
 
-static void set_turned(const gles_procs *gl, gl_int at, const shade_frame *frame, matrix3 m, int sign)
+static void set_turned(const gles_procs *gl, gl_int at, const int32_t turn_q28[][3], matrix3 m, int sign)
 {
     gl_float out[9]; /* column-major */
     int i, j;
@@ -132,7 +132,7 @@ static void set_turned(const gles_procs *gl, gl_int at, const shade_frame *frame
     if (at < 0) return;
     for (i = 0; i < 3; i++)
         for (j = 0; j < 3; j++) {
-            const int32_t *const t = frame->turn_q28[i];
+            const int32_t *const t = turn_q28[i];
 
             out[3 * j + i] = real(sign * (t[0] * m[0][j] + t[1] * m[1][j] + t[2] * m[2][j]), -58);
         }
@@ -140,7 +140,7 @@ static void set_turned(const gles_procs *gl, gl_int at, const shade_frame *frame
 }
 
 static void set_matrices(const gles_procs *gl, const gles_uniforms *at, const nacre_view *view,
-                         const gles_vertex_map *vertices, const shade_frame *frame)
+                         const gles_vertex_map *vertices, const int32_t turn_q28[][3], int position_shift)
 {
     const nacre_q16 *const a = view->view_to_clip.m, *const b = view->object_to_view.m;
     gl_float clip[16], object[16], extent[4], centre[4], uv[4];
@@ -152,7 +152,7 @@ static void set_matrices(const gles_procs *gl, const gles_uniforms *at, const na
 
         for (j = 0; j < 4; j++) sum += fx_shift((int64_t)a[4 * j + i % 4] * b[i / 4 * 4 + j], 2);
         clip[i] = real(sum, -30);
-        object[i] = real(b[i], frame->position_shift - 16);
+        object[i] = real(b[i], position_shift - 16);
     }
     gl->UniformMatrix4fv(at->clip, 1, 0, clip);
     if (at->view >= 0) gl->UniformMatrix4fv(at->view, 1, 0, object);
@@ -160,8 +160,8 @@ static void set_matrices(const gles_procs *gl, const gles_uniforms *at, const na
     for (i = 0; i < 9; i++) linear[i / 3][i % 3] = b[i % 3 * 4 + i / 3];
     level(linear);
     sign = cofactors(linear, normal);
-    set_turned(gl, at->normal, frame, normal, sign);
-    set_turned(gl, at->tangent, frame, linear, 1);
+    set_turned(gl, at->normal, turn_q28, normal, sign);
+    set_turned(gl, at->tangent, turn_q28, linear, 1);
 
     for (i = 0; i < 3; i++) {
         extent[i] = from_q16(vertices->half_extent[i]);
@@ -224,13 +224,29 @@ static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const
     set(gl, at->model, &model, key->phid ? 3 : 2);
 }
 
+/* The only light, in its own frame (shade.h). The shader has n.x = (n.l - n.v) / (l.x - v.x): the rest goes into model. */
+static void put_own_frame(gl_float *half, gl_float *light, gl_float *model, const shade_light *of, int fine)
+{
+    const shade_table_setup *const s = &of->is.table;
+    const gl_float lift = (gl_float)(1 << of->lift);
+    const gl_float across = 2.0f * from_q28(s->sin_q28);
+
+    half[0] = from_q28(s->cos_q28); /* the most that |n.x| can be where lit and seen */
+    half[1] = light[1] = 0.0f;
+    half[2] = 1.0f;
+    light[0] = from_q28(s->sin_q28) * lift;
+    light[2] = from_q28(s->cos_q28) * lift;
+    model[0] *= across * across;
+    model[1] *= fine ? across : across * across;
+    model[2] *= across * across;
+}
+
 static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
                            unsigned first, vectors *factor)
 {
     const shade_table_draw *const draw = &frame->is.table;
-    const gl_float lift = gles_key_form(key) == SHADE_SRGB ? (gl_float)(1 << SHADE_LIFT_DIST) : 1.0f;
-    vectors half = {{{0}}}, light = half, slope = half, model = half;
-    unsigned i, j;
+    vectors half = {{{0}}}, light = half, model = half;
+    unsigned i;
 
     for (i = 0; i < key->lights; i++) {
         const shade_table_setup *const s = &light_of(frame, first + i)->is.table;
@@ -238,17 +254,15 @@ static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const 
         put_q28(half.v[i], s->half_q28, 3);
         half.v[i][3] = from_real(draw->root_two_eps);
         put_q28(light.v[i], s->to_light_q28, 3);
-        for (j = 0; j < 3; j++) light.v[i][j] *= lift;
         light.v[i][3] = from_real(draw->scale);
-        put_q28(slope.v[i], s->slope_q28, 3);
-        slope.v[i][3] = from_real(draw->bias);
         factor->v[i][3] = from_q28(s->row_q28);
     }
     put_phi(model.v[0], draw);
     model.v[0][3] = from_real(draw->bias);
+    if (key->lights == 1)
+        put_own_frame(half.v[0], light.v[0], model.v[0], light_of(frame, first), key->model == GLES_KEY_FINE);
     set(gl, at->half, &half, key->lights);
     set(gl, at->light, &light, key->lights);
-    set(gl, at->slope, &slope, key->lights);
     set(gl, at->model, &model, 1);
 }
 
@@ -341,9 +355,11 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
     const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
     vectors factor = {{{0}}}, ambient = {{{0}}};
+    const int own = table && !key->persp && key->lights == 1;
     int i;
 
-    set_matrices(gl, at, view, vertices, frame);
+    set_matrices(gl, at, view, vertices, own ? light_of(frame, first_light)->is.table.own_turn_q28 : frame->turn_q28,
+                 frame->position_shift);
     for (i = 0; i < 3; i++) ambient.v[0][i] = from_real(frame->ambient[i]) * scale;
     set(gl, at->ambient, &ambient, 1);
     if (!key->lights) return;

@@ -18,7 +18,6 @@
     U(uv)                                                                                                              \
     U(half)                                                                                                            \
     U(light)                                                                                                           \
-    U(slope)                                                                                                           \
     U(x1)                                                                                                              \
     U(x2)                                                                                                              \
     U(y)                                                                                                               \

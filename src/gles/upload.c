@@ -2,7 +2,7 @@
 /* Textures straight from the borrowed file bytes, and mesh buffers. */
 #include "gles.h"
 
-#include "nacre_asset.h"
+#include "asset.h"
 
 /* How the levels of one image reach GL. */
 typedef struct upload_plan {
@@ -37,9 +37,8 @@ static unsigned level_side(unsigned side, unsigned level)
 
 static int file_is_etc1(const nacre_image *image)
 {
-    uint32_t size = 0;
-    const uint8_t *v = nacre_image_key(image, NACRE_KEY_ETC1, &size);
-    return v && size >= 4 && v[0] == 1;
+    uint32_t only;
+    return asset_key_u32(image, NACRE_KEY_ETC1, &only, 1) && only == 1;
 }
 
 static nacre_result choose_format(const gles_caps *caps, const nacre_image *image, upload_plan *plan)

@@ -169,21 +169,71 @@ static void set_position(shade_light *out, const nacre_light *light, const place
     }
 }
 
+/* log2 of how much a table's value can exceed 1 on the unlit side, where nothing was fitted and the phi_d term runs free:
+   |y| <= 1 + a^2 W / 2 (fine: 1 + a^2 K1 / 2 + |a| K2 / 2), where the shader keeps |a| <= 2 sin cos. */
+static int64_t unlit_log2(const shade_material *material, const shade_table_setup *setup)
+{
+    const shade_table *const table = &material->is.table;
+    const int64_t half = fx_shift((int64_t)setup->sin_q28 * setup->cos_q28, 40), square = half * half >> 16;
+    int64_t w = table->w[0] > table->w[1] ? table->w[0] : table->w[1];
+
+    if (table->w[2] > w) w = table->w[2];
+    if (material->fine) w = table->k1;
+    return fx_log2_u64((uint64_t)(65536 + (2 * square * w + (material->fine ? half * table->k2 : 0)) / 65536)) -
+           16 * 65536;
+}
+
+/* The floor of 2^-14 under n.l is to light the unlit side by at most 2^-10: 1 code of 255. */
+static int least_lift(const int64_t log2_q16[3], const shade_material *material, const shade_table_setup *setup)
+{
+    int64_t most = log2_q16[0];
+    int i;
+
+    for (i = 1; i < 3; i++) most = log2_q16[i] > most ? log2_q16[i] : most;
+    most += fx_shift(unlit_log2(material, setup) * material->is.table.p, 16);
+    most = (most + 65535) / 65536 - 4;
+    return most < 0 ? 0 : most > SHADE_LIFT_MOST ? SHADE_LIFT_MOST : (int)most;
+}
+
 static void set_factors(shade_light *out, const nacre_view *view, const nacre_light *light, const placed_light *place,
-                        int64_t more_log2, int lift, const shade_material *material, shade_form form)
+                        int64_t more_log2, int persp, const shade_material *material, shade_form form)
 {
     const int64_t fall = -2 * (int64_t)fx_real_log2_q16(place->distance);
+    int64_t sum[3] = {0, 0, 0};
+    int i, lit[3], lift = 0;
+
+    for (i = 0; i < 3; i++) {
+        int64_t seen, sent;
+
+        lit[i] = view_log2(view, i, &seen) && light_log2(light, i, &sent);
+        if (lit[i]) sum[i] = seen + sent + fall + more_log2 + model_log2(material, i);
+    }
+    if (lifted(material, form)) lift = persp ? SHADE_LIFT_PERSP : least_lift(sum, material, &out->is.table);
+    if (!persp) out->lift = lift;
+    for (i = 0; i < 3; i++) {
+        if (!lit[i]) continue;
+        out->linear[i] = shaped(sum[i], SHADE_LINEAR, material);
+        out->factor[i] = shaped(sum[i] - lift * 65536, form, material);
+    }
+}
+
+/* Where |r| is 1: the centre of the mesh, or for a light so near to it that the factor there would be beyond its limit,
+   as far away as keeps it. */
+static void keep_distance(placed_light *place, const nacre_view *view, const nacre_light *light, int64_t more_log2,
+                          const shade_material *material)
+{
+    const int64_t fall = -2 * (int64_t)fx_real_log2_q16(place->distance);
+    int64_t excess = 0;
     int i;
 
     for (i = 0; i < 3; i++) {
-        int64_t seen, sent, sum;
+        int64_t seen, sent;
 
         if (!view_log2(view, i, &seen) || !light_log2(light, i, &sent)) continue;
-        sum = seen + sent + fall + more_log2 + model_log2(material, i);
-        out->linear[i] = shaped(sum, SHADE_LINEAR, material);
-        if (lifted(material, form)) sum -= lift * 65536;
-        out->factor[i] = shaped(sum, form, material);
+        seen += sent + fall + more_log2 + model_log2(material, i) - LIMIT_LINEAR;
+        if (seen > excess) excess = seen;
     }
+    place->distance.e += (int)((excess + 2 * 65536 - 1) / (2 * 65536));
 }
 
 static void incoming(shade_incoming *out, const int32_t direction[3], int32_t turn[3][3])
@@ -199,33 +249,53 @@ static void incoming(shade_incoming *out, const int32_t direction[3], int32_t tu
     if (out->l_dot_h_q28 < LH_LEAST_Q28) out->l_dot_h_q28 = LH_LEAST_Q28;
 }
 
+/* turn x first, in place. */
+static void turn_after(int32_t turn[3][3], int32_t first[3][3])
+{
+    int i, j, k;
+
+    for (i = 0; i < 3; i++) {
+        const int32_t row[3] = {turn[i][0], turn[i][1], turn[i][2]};
+
+        for (j = 0; j < 3; j++) {
+            int64_t sum = 0;
+
+            for (k = 0; k < 3; k++) sum += (int64_t)row[k] * first[k][j];
+            turn[i][j] = (int32_t)fx_shift(sum, 28);
+        }
+    }
+}
+
 static void set_light(shade_frame *frame, int index, const nacre_view *view, const int64_t centre[3],
                       const shade_material *material, shade_form form)
 {
     static const nacre_light none; /* no power, no direction */
     const int given = index < view->light_count;
     const nacre_light *light = given ? &view->lights[index] : &none;
-    const placed_light place_of = place(light, centre);
+    placed_light place_of = place(light, centre);
     shade_light *out = &frame->light[index];
     shade_incoming in;
     int64_t more = 0;
     int i;
 
     for (i = 0; i < 3; i++) out->factor[i] = out->linear[i] = fx_real_make(0, 0);
+    out->lift = 0;
+    if (given && frame->persp && light->type == NACRE_LIGHT_POINT)
+        keep_distance(&place_of, view, light, material->model == NACRE_MODEL_TABLE ? 65536 : 0, material);
     set_position(out, light, &place_of, frame->position_shift);
-    if (lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
+    if (frame->persp && lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
         for (i = 0; i < 4; i++) out->position[i].e -= SHADE_LIFT_PERSP / 2;
     incoming(&in, place_of.direction_q28, frame->turn_q28);
     if (material->model == NACRE_MODEL_TABLE) {
         shade_table_light(&out->is.table, &in, &material->is.table);
+        turn_after(out->is.table.own_turn_q28, frame->turn_q28);
         /* 1 / l.h; per pixel the shader multiplies by 1 / (2 l.h) */
         more = frame->persp ? 65536 : 28 * 65536 - fx_log2_u64((uint64_t)in.l_dot_h_q28);
     } else {
         shade_spheres_light(&out->is.spheres, &in, &material->is.spheres);
     }
     if (given && place_of.valid && (frame->persp || !in.lost))
-        set_factors(out, view, light, &place_of, more, frame->persp ? SHADE_LIFT_PERSP : SHADE_LIFT_DIST, material,
-                    form);
+        set_factors(out, view, light, &place_of, more, frame->persp, material, form);
 }
 
 /* ---- the frame ----------------------------------------------------------------------------------- */

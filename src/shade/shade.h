@@ -45,9 +45,10 @@ typedef struct shade_material {
 } shade_material;
 
 /* What the light factors of a frame multiply: follows from the program (gles_key_form). */
-#define SHADE_LIFT_DIST                                                                                                \
-    13 /* log2 of what n.l is multiplied by under the logarithm of tables in SHADE_SRGB, so that its */
-#define SHADE_LIFT_PERSP 6 /* floor of 2^-14 is dark enough on the unlit side; factor holds the inverse */
+/* Tables in SHADE_SRGB take the logarithm of n.l, not below 2^-14. So that the unlit side stays dark, n.l is multiplied by
+   2^lift and factor holds the inverse. dist: no more than needed, for fp16 is exact near log2 = 0. */
+#define SHADE_LIFT_MOST  13
+#define SHADE_LIFT_PERSP 6
 
 typedef enum shade_form {
     SHADE_LINEAR, /* linear radiance */
@@ -55,12 +56,14 @@ typedef enum shade_form {
     SHADE_SRGB    /* 1.055 x its 2.4th root: one light, sRGB at once (tables with p = 4.8; paper: without the 1.055) */
 } shade_form;
 
-/* One light on a table, dist. */
+/* One light on a table, dist. A program with this light alone works in the light's own frame: h is +z there, l = (sin, 0,
+   cos) and v = (-sin, 0, cos) of half the angle between l and v. */
 typedef struct shade_table_setup {
-    int32_t to_light_q28[3]; /* l, turned */
-    int32_t half_q28[3];     /* h, turned */
-    int32_t slope_q28[3];    /* l - v */
-    int32_t row_q28;         /* texture coordinate v' of its l.h */
+    int32_t to_light_q28[3];    /* l, turned */
+    int32_t half_q28[3];        /* h, turned */
+    int32_t own_turn_q28[3][3]; /* rows of the rotation from view space to the light's own frame */
+    int32_t sin_q28, cos_q28;   /* of half the angle between l and v */
+    int32_t row_q28;            /* texture coordinate v' of its l.h */
 } shade_table_setup;
 
 /* One light on spheres, dist. Rows are dotted with the normal; those that give texture coordinates are x disc / 2 (add
@@ -81,6 +84,7 @@ typedef struct shade_spheres_setup {
 typedef struct shade_light {
     fx_real factor[3];   /* R G B, see shade_form; 0 when the light adds nothing */
     fx_real linear[3];   /* the same in SHADE_LINEAR */
+    int lift;            /* dist, tables in SHADE_SRGB: 0..SHADE_LIFT_MOST; otherwise 0 */
     fx_real position[4]; /* persp: xyz and w of r = xyz - w P, P = view position x 2^position_shift; |r| is 1 at the
                             centre of the mesh (tables in SHADE_SRGB: 1/8, see SHADE_LIFT_PERSP) */
     union {

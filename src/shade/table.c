@@ -21,6 +21,32 @@ static int64_t end_aligned(int64_t v_q28, unsigned texels)
     return fx_div(v_q28 * ((int64_t)texels - 1) + FX_Q28_ONE / 2, texels);
 }
 
+static int32_t mul_q28(int64_t a, int64_t b)
+{
+    return (int32_t)fx_shift(a * b, 28);
+}
+
+/* x is in the plane of l and v, z is h. */
+static void own_frame(shade_table_setup *out, const shade_incoming *in)
+{
+    const int64_t across[3] = {in->to_light_q28[0], in->to_light_q28[1], 0};
+    const int64_t length = fx_isqrt((uint64_t)(across[0] * across[0] + across[1] * across[1]));
+    int32_t azimuth[3] = {FX_Q28_ONE, 0, 0};
+
+    out->sin_q28 = in->lost ? 0 : (int32_t)fx_div(length * (FX_Q28_ONE / 2), in->l_dot_h_q28);
+    out->cos_q28 = in->lost ? FX_Q28_ONE : in->l_dot_h_q28;
+    fx_normalize_q28(across, azimuth);
+    out->own_turn_q28[0][0] = mul_q28(azimuth[0], out->cos_q28);
+    out->own_turn_q28[0][1] = mul_q28(azimuth[1], out->cos_q28);
+    out->own_turn_q28[0][2] = -out->sin_q28;
+    out->own_turn_q28[1][0] = -azimuth[1];
+    out->own_turn_q28[1][1] = azimuth[0];
+    out->own_turn_q28[1][2] = 0;
+    out->own_turn_q28[2][0] = mul_q28(azimuth[0], out->sin_q28);
+    out->own_turn_q28[2][1] = mul_q28(azimuth[1], out->sin_q28);
+    out->own_turn_q28[2][2] = out->cos_q28;
+}
+
 void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table)
 {
     const int32_t *l = in->to_light_q28;
@@ -36,10 +62,38 @@ void shade_table_light(shade_table_setup *out, const shade_incoming *in, const s
         const int32_t v = i == 2 ? FX_Q28_ONE : 0;
 
         out->to_light_q28[i] = l[i];
-        out->slope_q28[i] = l[i] - v;
         out->half_q28[i] = in->lost ? v : (int32_t)fx_div(((int64_t)l[i] + v) * FX_Q28_ONE, twice_lh);
     }
+    own_frame(out, in);
     out->row_q28 = (int32_t)end_aligned(fx_shift(ROW_LINEAR * s + ROW_SQUARE * away, 28), table->height);
+}
+
+/* To the nearest number that fp16 holds. */
+static int64_t to_half(int64_t x)
+{
+    const int shift = fx_top_bit((uint64_t)x) - 10;
+
+    return shift > 0 ? fx_shift(x, shift) * ((int64_t)1 << shift) : x;
+}
+
+/* The coordinate's scale and bias as numbers of fp16: rounded by the GPU, they would move highlights by up to 1/80 texel.
+   Of the two scales around the exact one, the one whose best bias comes nearest in the middle of the table. */
+static void set_coordinate(shade_table_draw *out, int64_t scale_q28, int64_t bias_q28, int64_t middle_q16)
+{
+    const int shift = fx_top_bit((uint64_t)scale_q28) - 10;
+    int64_t least = FX_Q28_ONE;
+    int i;
+
+    for (i = 0; i < 2; i++) {
+        const int64_t scale = ((scale_q28 >> shift) + i) * ((int64_t)1 << shift);
+        const int64_t wanted = bias_q28 + fx_shift((scale_q28 - scale) * middle_q16, 16);
+        const int64_t bias = to_half(wanted), off = bias < wanted ? wanted - bias : bias - wanted;
+
+        if (off >= least) continue;
+        least = off;
+        out->scale = fx_real_make(scale, -28);
+        out->bias = fx_real_make(bias, -28);
+    }
 }
 
 void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fine)
@@ -49,8 +103,8 @@ void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fi
     const int64_t range = fx_log2_u64((uint64_t)table->eps + 65536) - 16 * 65536 - log2_eps; /* log2(1 / eps + 1) */
     const int64_t scale_q28 = fx_div((width - 1) * ((int64_t)1 << 44), width * range);
 
-    out->scale = fx_real_make(scale_q28, -28);
-    out->bias = fx_real_make(fx_shift(scale_q28 * (-65536 - log2_eps), 16) + fx_div(FX_Q28_ONE / 2, width), -28);
+    set_coordinate(out, scale_q28, fx_shift(scale_q28 * (-65536 - log2_eps), 16) + fx_div(FX_Q28_ONE / 2, width),
+                   65536 + log2_eps + range / 2);
     out->two_eps = fx_real_make(table->eps, -15);
     out->root_two_eps = fx_real_make(fx_isqrt((uint64_t)table->eps << 33), -24);
     out->phi_q16[0] = fine ? table->k1 : table->w[0];

@@ -121,7 +121,8 @@ static void at_every_call_es2(void **state)
 {
     (void)state;
     lose_all(&(session){.model = KIT_SPHERES, .normal = 1, .lights = 1}, "ES 2.0");
-    lose_all(&(session){.gl = {.reset_status = 1}, .model = KIT_FINE, .lights = 1}, "ES 2.0 with a reset status");
+    lose_all(&(session){.gl = {.reset_status = 1, .extensions = "GL_KHR_robustness"}, .model = KIT_FINE, .lights = 1},
+             "ES 2.0 with a reset status");
 }
 
 static void at_every_call_es3(void **state)

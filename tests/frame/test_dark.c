@@ -23,9 +23,16 @@
 static const struct {
     case_model model;
     const char *brdf;
-} materials[] = {{CASE_TABLE, "sgd:color-changing-paint3"}, {CASE_TABLE, "sgd:two-layer-gold"},
-                 {CASE_TABLE, "sgd:blue-rubber"},           {CASE_FINE, "sgd:two-layer-gold"},
-                 {CASE_TABLE_P4, "sgd:two-layer-gold"},     {CASE_SPHERES, "sgd:two-layer-gold"}};
+} materials[] = {{CASE_TABLE, "sgd:color-changing-paint3"},
+                 {CASE_TABLE, "sgd:two-layer-gold"},
+                 {CASE_TABLE, "sgd:blue-rubber"},
+                 {CASE_FINE, "sgd:two-layer-gold"},
+                 {CASE_TABLE_P4, "sgd:two-layer-gold"},
+                 {CASE_SPHERES, "sgd:two-layer-gold"},
+                 /* strong phi_d terms, which run free there */
+                 {CASE_TABLE, "ngan-lafortune:natural-209"},
+                 {CASE_TABLE, "ngan-lafortune:aventurnine"},
+                 {CASE_FINE, "ngan-lafortune:natural-209"}};
 
 /* Largest code among unlit pixels; *count receives how many there are. */
 static int brightest_unlit(const image_u8 *frame, double polar_deg, int *count)

@@ -9,6 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "gles_kit.h"
@@ -173,6 +174,36 @@ static void passes_equal_one_pass(void **state)
     assert_true(in_passes >= (opened & 1 ? 4 : 0) + (opened >> 1 & 1) + (opened >> 2 & 1));
 }
 
+/* Depth that falls with distance by glDepthRange: the passes' own depth test must turn round too. */
+static void passes_know_reversed_depth(void **state)
+{
+    (void)state;
+    for (int d = 0; d < DRIVERS; d++) {
+        const nacre_view view = kit_view(7, 0, 0);
+        image_u8 picture[2];
+        int passes = 0;
+        for (; passes < 2; passes++) {
+            kit_world w;
+            if (!open_driver(d, &(fake_gl_options){.fragment_vectors = passes ? 16 : 1024})) break;
+            void (*range)(float, float) = (void (*)(float, float))(uintptr_t)gl_headless_proc(NULL, "glDepthRangef");
+            void (*func)(unsigned) = (void (*)(unsigned))(uintptr_t)gl_headless_proc(NULL, "glDepthFunc");
+            void (*clear)(float) = (void (*)(float))(uintptr_t)gl_headless_proc(NULL, "glClearDepthf");
+            range(1, 0);
+            func(0x0204); /* GL_GREATER */
+            clear(0);
+            begin(&w, NULL);
+            picture[passes] = draw(&w, add(&w, KIT_TABLE, 0), &view);
+            assert_int_equal(fake_gl_draws() > 1, passes);
+            end(&w);
+            gl_headless_close(context);
+        }
+        if (!passes) continue;
+        assert_alike(&picture[0], &picture[1], 2, drivers_here[d].name);
+        image_u8_free(&picture[0]);
+        image_u8_free(&picture[1]);
+    }
+}
+
 /* Passes that can't be: no room for targets, and a draw loop of the application's own. */
 static void passes_have_their_limits(void **state)
 {
@@ -289,6 +320,65 @@ static void callers_buffers_equal_mesh(void **state)
         }
 }
 
+/* Indices beyond 65,535, with first bytes to skip: the ball's vertices come after so many empty ones. */
+static host_mesh upload_wide(void)
+{
+    enum { EMPTY = 66000, SKIPPED = 2 };
+    void (*bind)(unsigned, uint32_t) = (void (*)(unsigned, uint32_t))(uintptr_t)gl_headless_proc(NULL, "glBindBuffer");
+    void (*data)(unsigned, ptrdiff_t, const void *, unsigned) =
+        (void (*)(unsigned, ptrdiff_t, const void *, unsigned))(uintptr_t)gl_headless_proc(NULL, "glBufferData");
+    const size_t vertices = EMPTY + (size_t)assets.ball.vertex_count, indices = SKIPPED + assets.ball.index_count;
+    float *vertex = calloc(vertices, 48);
+    uint32_t *index = calloc(indices, sizeof *index);
+    host_mesh m = upload_floats();
+    assert_non_null(vertex);
+    assert_non_null(index);
+    memcpy(vertex + 12 * EMPTY, assets.floats, (size_t)assets.ball.vertex_count * 48);
+    for (uint32_t i = 0; i < assets.ball.index_count; i++) index[SKIPPED + i] = EMPTY + assets.ball.indices[i];
+    bind(0x8892, m.vertex);
+    data(0x8892, (ptrdiff_t)(vertices * 48), vertex, 0x88E4);
+    bind(0x8893, m.index);
+    data(0x8893, (ptrdiff_t)(indices * sizeof *index), index, 0x88E4);
+    bind(0x8892, 0);
+    bind(0x8893, 0);
+    m.buffers.index_type = 0x1405;
+    m.buffers.index_offset = SKIPPED * sizeof *index;
+    free(vertex);
+    free(index);
+    return m;
+}
+
+static void wide_indices_equal_short_ones(void **state)
+{
+    (void)state;
+    int drawn = 0;
+    for (int d = 0; d < DRIVERS; d++) {
+        kit_world w;
+        if (!open_driver(d, NULL)) continue;
+        const nacre_view view = kit_view(2, 0, 1);
+        const nacre_material material = kit_material(&assets, KIT_TABLE, 1);
+        begin(&w, NULL);
+        const host_mesh narrow = upload_floats(), wide = upload_wide();
+        nacre_gles_item a = {0}, b = {0};
+        assert_int_equal(nacre_gles_add_buffers(w.gles, &narrow.buffers, &material, &a), NACRE_OK);
+        const nacre_result added = nacre_gles_add_buffers(w.gles, &wide.buffers, &material, &b);
+        if (added == NACRE_ERR_UNSUPPORTED) {
+            print_message("%s: no 32-bit indices\n", drivers_here[d].name);
+            assert_int_equal(d, 0); /* ES 3.0 and desktop GL have them */
+        } else {
+            assert_int_equal(added, NACRE_OK);
+            image_u8 expected = draw(&w, a, &view), found = draw(&w, b, &view);
+            assert_alike(&expected, &found, 0, "32-bit indices");
+            image_u8_free(&expected);
+            image_u8_free(&found);
+            drawn++;
+        }
+        end(&w);
+        gl_headless_close(context);
+    }
+    print_message("32-bit indices drawn on %d drivers\n", drawn);
+}
+
 /* ---- other roads to the same picture --------------------------------------------------------------- */
 
 /* Bound 0 where the same program runs, 1 between the two shader languages and with or without vertex arrays. */
@@ -393,8 +483,12 @@ static void state_is_put_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(passes_equal_one_pass),      cmocka_unit_test(passes_have_their_limits),
-        cmocka_unit_test(callers_buffers_equal_mesh), cmocka_unit_test(options_do_not_show),
+        cmocka_unit_test(passes_equal_one_pass),
+        cmocka_unit_test(passes_know_reversed_depth),
+        cmocka_unit_test(passes_have_their_limits),
+        cmocka_unit_test(callers_buffers_equal_mesh),
+        cmocka_unit_test(wide_indices_equal_short_ones),
+        cmocka_unit_test(options_do_not_show),
         cmocka_unit_test(state_is_put_back),
     };
     int failed;

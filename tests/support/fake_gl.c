@@ -373,6 +373,8 @@ static void on_GetFloatv(gl_enum name, gl_float *out)
         memcpy(out, f.clear_color, sizeof f.clear_color);
     else if (name == GLES_DEPTH_CLEAR_VALUE)
         *out = f.clear_depth;
+    else if (name == GLES_DEPTH_RANGE)
+        out[0] = 0, out[1] = 1;
     else
         set_error(INVALID_ENUM);
 }
@@ -1034,10 +1036,24 @@ void fake_gl_start(const fake_gl_options *options)
     }
 }
 
+/* "glGenVertexArraysOES", "glGetGraphicsResetStatusKHR": the names that ES 2.0 extensions give. */
+static int find_extension_proc(const char *name)
+{
+    char plain[40];
+    const size_t n = strlen(name);
+    if (n < 4 || n > sizeof plain) return -1;
+    memcpy(plain, name, n - 3);
+    plain[n - 3] = 0;
+    const int i = find_proc(plain);
+    const int khr = i == P_GetGraphicsResetStatus, oes = i > P_GetStringi && i < P_BindSampler;
+    return (khr && !strcmp(name + n - 3, "KHR")) || (oes && !strcmp(name + n - 3, "OES")) ? i : -1;
+}
+
 void *fake_gl_proc(void *user, const char *name)
 {
     void *p;
-    const int i = starts(name, "gl") ? find_proc(name + 2) : -1;
+    int i = starts(name, "gl") ? find_proc(name + 2) : -1;
+    if (i < 0 && starts(name, "gl")) i = find_extension_proc(name + 2);
     (void)user;
     if (i < 0 || (f.o.missing && !strcmp(f.o.missing, name))) return NULL;
     if (i >= P_GetStringi) {

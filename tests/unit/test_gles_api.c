@@ -114,6 +114,48 @@ static void init_reads_versions(void **state)
     }
 }
 
+static int stub_calls;
+
+static int stub(void)
+{
+    return ++stub_calls;
+}
+
+/* A loader as EGL allows: it has an answer for every name, and only those of the version and of the context's extensions
+   do something. */
+static void *generous_proc(void *user, const char *name)
+{
+    static const char *const beyond_es2[] = {
+        "glGetStringi",      "glGenVertexArrays", "glDeleteVertexArrays",
+        "glBindVertexArray", "glBindSampler",     "glGetGraphicsResetStatus",
+    };
+    void *p = fake_gl_proc(user, name);
+    for (size_t i = 0; i < sizeof beyond_es2 / sizeof *beyond_es2; i++)
+        if (!strcmp(name, beyond_es2[i])) p = NULL;
+    return p ? p : (void *)(uintptr_t)stub;
+}
+
+static void pointers_prove_nothing(void **state)
+{
+    (void)state;
+    for (int extension = 0; extension < 2; extension++) {
+        const fake_gl_options o = {.es = 3,
+                                   .version = "OpenGL ES 2.0",
+                                   .extensions = extension ? "GL_OES_vertex_array_object" : "GL_OES_texture_float"};
+        const nacre_view view = kit_view(1, 0, 0);
+        world w;
+        fake_gl_start(&o);
+        kit_world_make(&w, NULL);
+        w.desc.get_proc = generous_proc;
+        stub_calls = 0;
+        assert_int_equal(kit_world_init(&w), NACRE_OK);
+        assert_int_equal(nacre_gles_draw(w.gles, add(&w, KIT_SPHERES, 0), &view), NACRE_OK);
+        assert_int_equal(fake_gl_calls_of("GenVertexArrays"), extension);
+        assert_int_equal(stub_calls, 0);
+        close_world(&w);
+    }
+}
+
 /* ---- add ------------------------------------------------------------------------------------- */
 
 static void add_refuses_bad_meshes(void **state)
@@ -482,6 +524,32 @@ static void buffers_are_checked(void **state)
     close_world(&w);
 }
 
+/* What the header promises that bind holds on the smallest device, and one light more. */
+static void bind_holds_four_lights_of_a_table(void **state)
+{
+    (void)state;
+    static const struct {
+        kit_model model;
+        int lights;
+    } cases[] = {{KIT_TABLE, 4}, {KIT_FINE, 4}, {KIT_SPHERES, 2}, {KIT_PAPER, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int perspective = 0; perspective < 2; perspective++) {
+            world w;
+            open_world(&w, &(fake_gl_options){.fragment_vectors = 16, .texture_units = 8}, NULL);
+            const nacre_gles_item item = add(&w, cases[i].model, 1);
+            for (int more = 0; more < 2; more++) {
+                nacre_view view = kit_view(cases[i].lights + more, 0, perspective);
+                view.ambient.g = NACRE_Q16_ONE;
+                const nacre_result result = nacre_gles_bind(w.gles, item, &view, NULL);
+                if (!more) assert_int_equal(result, NACRE_OK);
+                if (more && perspective) assert_int_equal(result, NACRE_ERR_UNSUPPORTED);
+                assert_int_equal(nacre_gles_unbind(w.gles), NACRE_OK);
+                assert_int_equal(nacre_gles_draw(w.gles, item, &view), NACRE_OK);
+            }
+            close_world(&w);
+        }
+}
+
 /* ---- GL state -------------------------------------------------------------------------------------- */
 
 /* What no sane host leaves behind: odd bindings everywhere. The objects stay the host's. */
@@ -796,6 +864,7 @@ int main(void)
         cmocka_unit_test(init_refuses_bad_arguments),
         cmocka_unit_test(init_needs_every_entry_point),
         cmocka_unit_test(init_reads_versions),
+        cmocka_unit_test(pointers_prove_nothing),
         cmocka_unit_test(add_refuses_bad_meshes),
         cmocka_unit_test(add_refuses_bad_materials),
         cmocka_unit_test(add_survives_changed_keys),
@@ -808,6 +877,7 @@ int main(void)
         cmocka_unit_test(stale_handles_are_refused),
         cmocka_unit_test(draw_refuses_bad_views),
         cmocka_unit_test(buffers_are_checked),
+        cmocka_unit_test(bind_holds_four_lights_of_a_table),
         cmocka_unit_test(every_call_puts_state_back),
         cmocka_unit_test(host_resets_state_asks_nothing),
         cmocka_unit_test(changed_tells_all),

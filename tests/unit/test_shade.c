@@ -122,6 +122,27 @@ static shade_material spheres_material(int paper)
 
 static const nacre_q16 origin[3] = {0, 0, 0};
 
+/* A rotation (view space here is the turned one) that takes h to +z, l and v to (+-sin, 0, cos). */
+static void light_own_frame(const shade_table_setup *t, const double l[3], double lh)
+{
+    const double error = 3e-8 + 2e-9 / (lh * lh); /* 1 + l.v, which l.h is the root of, has 2^-28 steps */
+
+    for (int i = 0; i < 3; i++) {
+        const int32_t *row = t->own_turn_q28[i];
+        const double of_l = q28(row[0]) * l[0] + q28(row[1]) * l[1] + q28(row[2]) * l[2];
+
+        NEAR(of_l, i == 0 ? q28(t->sin_q28) : i == 2 ? q28(t->cos_q28) : 0, error);
+        NEAR(q28(row[2]), i == 0 ? -q28(t->sin_q28) : i == 2 ? q28(t->cos_q28) : 0, error);
+        for (int j = 0; j < 3; j++) {
+            const int32_t *other = t->own_turn_q28[j];
+
+            NEAR(q28(row[0]) * q28(other[0]) + q28(row[1]) * q28(other[1]) + q28(row[2]) * q28(other[2]), i == j,
+                 error);
+        }
+    }
+    NEAR(q28(t->cos_q28), lh, error);
+}
+
 static void one_table_light(double polar, double azimuth)
 {
     const nacre_light light = light_at(polar, azimuth, 2, 0.5, 0);
@@ -143,7 +164,6 @@ static void one_table_light(double polar, double azimuth)
     }
     for (i = 0; i < 3; i++) {
         NEAR(q28(t->to_light_q28[i]), l[i], DIRECTION_ERROR);
-        NEAR(q28(t->slope_q28[i]), l[i] - (i == 2), DIRECTION_ERROR);
         NEAR(q28(t->half_q28[i]), (l[i] + (i == 2)) / (2 * lh),
              DIRECTION_ERROR + 4e-9 / (lh * lh)); /* 1 + l.v has 2^-28 steps */
     }
@@ -156,7 +176,14 @@ static void one_table_light(double polar, double azimuth)
     CLOSE(real(frame.light[0].factor[0]), sqrt(2 * scale), FACTOR_ERROR);
     CLOSE(real(frame.light[0].linear[0]), 2 * scale, FACTOR_ERROR);
     shade_setup(&frame, &view, origin, &m, SHADE_SRGB, 0, 8);
-    CLOSE(real(frame.light[0].factor[0]), 1.055 * pow(2 * scale / 8192, 1 / 2.4), FACTOR_ERROR);
+    const int lift = frame.light[0].lift;
+    CLOSE(real(frame.light[0].factor[0]), 1.055 * pow(2 * scale * ldexp(1, -lift), 1 / 2.4), FACTOR_ERROR);
+    /* the unlit side, where the phi_d term may raise y to 1 + a^2 W / 2, a^2 = 4 (l.h)^2 (1 - (l.h)^2) */
+    const double w = fmax(m.is.table.w[0], fmax(m.is.table.w[1], m.is.table.w[2])) / 65536.;
+    const double floor_light = 2 * scale * pow(1 + 2 * lh * lh * (1 - lh * lh) * w, p) * ldexp(1, -14 - lift);
+    assert_true(lift == 13 || floor_light <= ldexp(1, -10) * 1.001);
+    assert_true(lift == 0 || lift == 13 || floor_light > ldexp(1, -11) * 0.999);
+    light_own_frame(t, l, lh);
 }
 
 static void table_lights(void **unused)
@@ -166,6 +193,18 @@ static void table_lights(void **unused)
         for (int azimuth = 0; azimuth < 360; azimuth += 45) one_table_light(polar, azimuth);
     one_table_light(177.3, 10); /* l.v > -.999: kept */
     one_table_light(177.6, 10); /* dropped */
+}
+
+/* Scale and bias are numbers of fp16 (11 bits): half a step of the bias, 2^-12, and a step of the scale, 2^-14 (2^-13 for
+   eps > 1/26), at half the table's range of logarithms, 1 + log2(1 / eps) / 2. In texels of 24: 1/50 at most. */
+#define COORDINATE_ERROR 8e-4
+
+static int is_half(double x)
+{
+    int exponent;
+
+    x = ldexp(frexp(x, &exponent), 11);
+    return x == floor(x);
 }
 
 static void table_constants(void **unused)
@@ -184,8 +223,9 @@ static void table_constants(void **unused)
             const double u = log2(away / eps + 1) / log2(1 / eps + 1);
             const double at = real(t->scale) * log2(2 * away + real(t->two_eps)) + real(t->bias);
 
-            NEAR(at, (23 * u + 0.5) / 24, 2e-5);
+            NEAR(at, (23 * u + 0.5) / 24, COORDINATE_ERROR);
         }
+        assert_true(is_half(real(t->scale)) && is_half(real(t->bias)));
         CLOSE(real(t->two_eps), 2 * eps, 1e-9);
         CLOSE(real(t->root_two_eps), sqrt(2 * eps), 2e-5); /* 17 bits at the smallest eps */
         NEAR(q28(t->row_q28[0]), 0.7 * 20 / 21, 1e-8);
@@ -268,17 +308,20 @@ static void point_lights(void **unused)
         shade_setup(&frame, &view, origin, &m, SHADE_LINEAR, 1, 8);
         const double unit = ldexp(1, frame.position_shift), grain = 1e-3 / scale[k] * 0.01 + 1e-4;
         assert_true(to_eye * unit >= 0.999 && to_eye * unit < 2);
+        /* |r| is 1 at the centre, or where the factor comes within its limit: factor / |r|^2 stays what it is */
+        const double ymax = m.is.table.ymax / 65536., p = m.is.table.p / 65536., e = m.is.table.e / 65536.;
+        const double factor = 2 * pow(ymax, p) / (PI * e) / (distance * distance);
+        const double near = factor > 2048 ? exp2(-ceil(log2(factor / 2048) / 2)) : 1;
         double r = 0;
+        assert_true((scale[k] < 1) == (near < 1));
         for (int i = 0; i < 3; i++) {
             const double part = real(frame.light[0].position[i]) - real(frame.light[0].position[3]) * c[i] * unit;
 
-            NEAR(part, (at[i] - c[i]) / distance, grain);
+            NEAR(part, (at[i] - c[i]) / distance * near, grain);
             r += part * part;
         }
-        NEAR(r, 1, 2 * grain);
-        const double ymax = m.is.table.ymax / 65536., p = m.is.table.p / 65536., e = m.is.table.e / 65536.;
-        CLOSE(real(frame.light[0].factor[0]), fmin(2 * pow(ymax, p) / (PI * e) / (distance * distance), 2048),
-              FACTOR_ERROR + 4 * grain);
+        NEAR(r, near * near, 2 * grain);
+        CLOSE(real(frame.light[0].factor[0]), factor * near * near, FACTOR_ERROR + 4 * grain);
         NEAR(real(frame.eye[3]), 1, 0);
         view.distant_viewer = 1; /* one direction to the eye, still per-pixel lights */
         shade_setup(&frame, &view, origin, &m, SHADE_LINEAR, 1, 8);
