@@ -38,6 +38,7 @@ probe() {
 #include <setjmp.h>
 #include <stdint.h>
 #include <cmocka.h"
+    header_in libgles-dev GLES3/gl32.h
     command_in g++ c++
     command_in binutils nm
     file_in libosmesa6 /usr/lib/*/libOSMesa.so.8 /usr/lib/libOSMesa.so.8 /usr/lib64/libOSMesa.so.8

@@ -8,7 +8,6 @@
  * and the frames of four lights and of a near eye may be off, is held here.
  * NACRE_LONG=1: all embedded parameter sets, not only the measured ones' SGD fits.
  */
-#include <dirent.h>
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -212,17 +211,8 @@ static int bake_all(void **state)
 
 static int remove_all(void **state)
 {
-    DIR *d = opendir(kept);
-    struct dirent *e;
-
     (void)state;
-    while (d && (e = readdir(d))) {
-        char path[600];
-        snprintf(path, sizeof path, "%s/%s", kept, e->d_name);
-        if (e->d_name[0] != '.') unlink(path);
-    }
-    if (d) closedir(d);
-    rmdir(kept);
+    driver_remove_directory(kept);
     return 0;
 }
 

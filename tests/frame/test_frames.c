@@ -3,7 +3,6 @@
  * One table of frames (tests/support/cases.c) on every driver, against the double renderer's decoding of the same file.
  * Frames computed in fp32 must also agree with each other. NACRE_CASE=WORDS in the environment picks cases by name.
  */
-#include <dirent.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -194,17 +193,8 @@ static int bake_all(void **state)
 
 static int remove_all(void **state)
 {
-    DIR *d = opendir(kept);
-    struct dirent *e;
-
     (void)state;
-    while (d && (e = readdir(d))) {
-        char path[600];
-        snprintf(path, sizeof path, "%s/%s", kept, e->d_name);
-        if (e->d_name[0] != '.') unlink(path);
-    }
-    if (d) closedir(d);
-    rmdir(kept);
+    driver_remove_directory(kept);
     return 0;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "drivers.h"
 
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -82,6 +83,20 @@ static unsigned compile(unsigned kind, const char *text)
     source(shader, 1, &text, NULL);
     compile_shader(shader);
     return shader;
+}
+
+void driver_remove_directory(const char *path)
+{
+    DIR *d = opendir(path);
+    struct dirent *e;
+
+    while (d && (e = readdir(d))) {
+        char name[600];
+        snprintf(name, sizeof name, "%s/%s", path, e->d_name);
+        if (e->d_name[0] != '.') unlink(name);
+    }
+    if (d) closedir(d);
+    rmdir(path);
 }
 
 int driver_mediump_probe(gl_headless *gl)

@@ -23,6 +23,9 @@ int driver_run(int index, const char *argument);
 /* Index if this process was started so, -1 if not; *argument receives the last one. */
 int driver_of_arguments(int argc, char **argv, const char **argument);
 
+/* Remove a directory that tests and their children shared, with the files in it. */
+void driver_remove_directory(const char *path);
+
 /* fract(4096.5) computed in mediump by the current context: 0 in fp16, 128 in fp32 (codes of 255). */
 int driver_mediump_probe(gl_headless *gl);
 
