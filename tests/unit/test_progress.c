@@ -48,7 +48,10 @@ static void capture(int to, int from, int quiet, long ms, char *text, size_t siz
 static void on_terminal(int quiet, long ms, char *text, size_t size)
 {
     int master = posix_openpt(O_RDWR | O_NOCTTY);
-    assert_true(master >= 0 && !grantpt(master) && !unlockpt(master));
+    if (master < 0 || grantpt(master) || unlockpt(master)) {
+        print_message("SKIPPED: this machine has no pseudo-terminals (is /dev/pts mounted?)\n");
+        skip();
+    }
     int slave = open(ptsname(master), O_RDWR | O_NOCTTY);
     assert_true(slave >= 0);
     capture(slave, master, quiet, ms, text, size);
