@@ -174,7 +174,7 @@ typedef struct nacre_view {
     nacre_q16 exposure;        /* (65536) multiplies radiance before encoding */
     nacre_rgb ambient;         /* (0) irradiance from everywhere; adds albedo x ambient / pi, where albedo is
                                    the hemispherical albedo stored in the asset */
-    nacre_rgb tint;            /* (1,1,1 when all are 0) multiplies reflected radiance */
+    nacre_rgb tint;            /* (1,1,1 when all are 0) multiplies reflected radiance; negative counts as 0 */
 } nacre_view;
 
 typedef void (*nacre_log_fn)(void *user, nacre_result code, const char *message);

@@ -3,8 +3,7 @@
  * fx - numbers without float: logarithms, roots and angles in integers, and a wide-range number for set-up values
  *
  * Every function is pure. "worst" is the largest error over the whole range, as tests/unit/test_fx.c checks it.
- * Right shifts of negative numbers are arithmetic on every compiler this is built with; fx_shift is the only place
- * that relies on it.
+ * Right shifts of negative numbers are arithmetic on every compiler this is built with, and are relied on.
  */
 #ifndef FX_H
 #define FX_H
