@@ -28,7 +28,7 @@ static int ends_with(const char *text, const char *end)
     return n > m && strcmp(text + n - m, end) == 0;
 }
 
-static int open_image(brdf **out, const nacre_image *image, const char *path, failure *f)
+int brdf_open_image(brdf **out, const nacre_image *image, const char *path, failure *f)
 {
     char role[32];
     ktx2_role(image, role, sizeof role);
@@ -70,7 +70,7 @@ static int open_asset(brdf **out, const char *path, failure *f)
                     "%s: found %zu bytes that are no nacre asset (%s), expected a KTX2 file of nacre's profile", path,
                     file.size, nacre_result_text(result));
     else
-        code = open_image(out, &image, path, f);
+        code = brdf_open_image(out, &image, path, f);
     bytes_free(&file);
     return code;
 }
@@ -221,6 +221,27 @@ void brdf_albedo(const brdf *b, double albedo[3])
         turn_azimuth(v, cos(azimuth), sin(azimuth));
         if (!brdf_eval_cosine(b, l, v, f)) continue;
         double weight = v[2] * cos(theta_diff) * sin(theta_diff) * sin(theta_half) * u * u * u;
+        total += weight * l[2];
+        for (int c = 0; c < 3; c++) sum[c] += weight * f[c];
+    }
+    for (int c = 0; c < 3; c++) albedo[c] = total > 0 ? pi * sum[c] / total : 0;
+}
+
+/* Midpoint rule over half vectors, theta_half warped as above: d(light) = 4 l.h d(half). */
+void brdf_view_albedo(const brdf *b, const brdf *where, double view_polar_deg, double albedo[3])
+{
+    enum { HALF = 128, AZIMUTH = 64 };
+    double polar = view_polar_deg * (pi / 180), v[3] = {sin(polar), 0, cos(polar)};
+    double sum[3] = {0, 0, 0}, total = 0;
+    for (int i = 0; i < HALF * AZIMUTH; i++) {
+        double u = ((double)(i / AZIMUTH) + 0.5) / HALF, theta = pi / 2 * u * u * u * u;
+        double phi = 2 * pi * ((double)(i % AZIMUTH) + 0.5) / AZIMUTH;
+        double h[3] = {sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
+        double v_dot_h = v[0] * h[0] + v[2] * h[2], l[3], f[3];
+        for (int c = 0; c < 3; c++) l[c] = 2 * v_dot_h * h[c] - v[c];
+        if (v_dot_h <= 0 || l[2] <= 0 || (where && !brdf_eval_cosine(where, l, v, f))) continue;
+        if (!brdf_eval_cosine(b, l, v, f) && !where) continue;
+        double weight = v_dot_h * sin(theta) * u * u * u;
         total += weight * l[2];
         for (int c = 0; c < 3; c++) sum[c] += weight * f[c];
     }

@@ -30,6 +30,10 @@ struct brdf {
 int brdf_open(brdf **out, const char *name, failure *f);
 void brdf_close(brdf *b); /* NULL is fine */
 
+/* The decoding in double of an opened asset; path is for messages. Takes a copy. FAIL_UNSUPPORTED: of another role. */
+struct nacre_image;
+int brdf_open_image(brdf **out, const struct nacre_image *image, const char *path, failure *f);
+
 /* Names of the embedded parameter sets, "sgd:gold-metallic-paint", sorted; count in *count. Static. */
 const char *const *brdf_names(size_t *count);
 
@@ -43,6 +47,11 @@ void half_to_directions(double theta_half, double theta_diff, double phi_diff, d
 
 /* Hemispherical (white-sky) albedo, R G B: the mean over cosine-weighted to_light and to_eye of pi f_r, each channel. */
 void brdf_albedo(const brdf *b, double albedo[3]);
+
+/* Directional-hemispherical albedo, R G B: the part of the light from direction at view_polar (degrees from the normal,
+   0..89) that b reflects, which by reciprocity is what an eye there sees under a white sky: the integral of f_r n.l over
+   to_light. Pairs for which where (NULL: b itself) has no data count in neither b nor the whole. */
+void brdf_view_albedo(const brdf *b, const brdf *where, double view_polar_deg, double albedo[3]);
 
 /* Light scale of the common metric: clip(0.35 / median lit luminance at light polar 45 degrees, 0.5, 8). */
 double brdf_exposure(const brdf *b);

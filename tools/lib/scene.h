@@ -116,6 +116,9 @@ typedef struct scene_material {
    exact 0 opens assets (a BRDF is baked in memory to the default table); 1 opens for double: the BRDF itself, or a
    file's decoding. *out points into itself: it must stay where it is until scene_material_close. */
 int scene_material_open(scene_material *out, const char *text, int exact, failure *f);
+/* The same from the bytes of a table's or spheres' file, for both renderers. *file is taken where they are opened, and
+   emptied; name is for messages. */
+int scene_material_take(scene_material *out, bytes *file, const char *name, failure *f);
 void scene_material_close(scene_material *m);
 
 #endif

@@ -49,30 +49,34 @@ static int role_of(const nacre_image *image)
     return -1;
 }
 
+/* Takes the bytes of a file that is a material by itself; path is for messages. */
+static int take_file(scene_material *m, bytes *file, const char *path, failure *f)
+{
+    nacre_image image;
+    nacre_result r = nacre_image_open(&image, file->data, file->size);
+    int role = r ? -1 : role_of(&image);
+    char found[40];
+
+    if (r) return fail(f, FAIL_INVALID, "%s: %s, expected a KTX2 file of nacre's profile", path, nacre_result_text(r));
+    if (role != NACRE_ROLE_TABLE && role != NACRE_ROLE_SPHERES) {
+        ktx2_role(&image, found, sizeof found);
+        return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"table\" or \"spheres\" for a material", path,
+                    NACRE_KEY_ROLE, found);
+    }
+    m->file[role] = *file;
+    *file = (bytes){0};
+    return open_bytes(m, (nacre_role)role, path, f);
+}
+
 static int open_file(scene_material *m, const char *path, failure *f)
 {
     bytes file = {0};
-    nacre_image image;
-    nacre_result r;
-    int role, code = file_read(&file, path, f);
+    int code = file_read(&file, path, f);
 
     if (code) return code;
-    r = nacre_image_open(&image, file.data, file.size);
-    role = r ? -1 : role_of(&image);
-    if (role != NACRE_ROLE_TABLE && role != NACRE_ROLE_SPHERES) {
-        char found[40];
-        if (r)
-            code = fail(f, FAIL_INVALID, "%s: %s, expected a KTX2 file of nacre's profile", path, nacre_result_text(r));
-        else {
-            ktx2_role(&image, found, sizeof found);
-            code = fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"table\" or \"spheres\" for a material",
-                        path, NACRE_KEY_ROLE, found);
-        }
-        bytes_free(&file);
-        return code;
-    }
-    m->file[role] = file;
-    return open_bytes(m, (nacre_role)role, path, f);
+    code = take_file(m, &file, path, f);
+    bytes_free(&file);
+    return code;
 }
 
 /* A PNG becomes a file of role "normal" in memory. */
@@ -183,6 +187,14 @@ static void read_albedo(scene_material *m, nacre_role role)
     m->has_albedo = 1;
 }
 
+/* What follows from the images that are there. */
+static void settle(scene_material *m)
+{
+    m->material.model = m->material.image[NACRE_ROLE_SPHERES] ? NACRE_MODEL_SPHERES : NACRE_MODEL_TABLE;
+    read_albedo(m, NACRE_ROLE_TABLE);
+    read_albedo(m, NACRE_ROLE_SPHERES);
+}
+
 static int has_roles(const char *text)
 {
     size_t name = strcspn(text, "=,:/");
@@ -204,9 +216,7 @@ static int open_any(scene_material *m, const char *text, int exact, failure *f)
         code = bake(m, text, f);
     }
     if (code) return code;
-    m->material.model = m->material.image[NACRE_ROLE_SPHERES] ? NACRE_MODEL_SPHERES : NACRE_MODEL_TABLE;
-    read_albedo(m, NACRE_ROLE_TABLE);
-    read_albedo(m, NACRE_ROLE_SPHERES);
+    settle(m);
     return exact ? brdf_open(&m->reflectance, text, f) : FAIL_NONE;
 }
 
@@ -216,6 +226,21 @@ int scene_material_open(scene_material *out, const char *text, int exact, failur
 
     *out = (scene_material){0};
     code = open_any(out, text, exact, f);
+    if (code) scene_material_close(out);
+    return code;
+}
+
+int scene_material_take(scene_material *out, bytes *file, const char *name, failure *f)
+{
+    int code, role;
+
+    *out = (scene_material){0};
+    code = take_file(out, file, name, f);
+    if (!code) {
+        settle(out);
+        role = out->material.model == NACRE_MODEL_SPHERES ? NACRE_ROLE_SPHERES : NACRE_ROLE_TABLE;
+        code = brdf_open_image(&out->reflectance, &out->image[role], name, f);
+    }
     if (code) scene_material_close(out);
     return code;
 }
