@@ -118,6 +118,7 @@ typedef enum nacre_role {
     NACRE_ROLE_TABLE,   /* TABLE: one RGBA8 layer; fine tier: two */
     NACRE_ROLE_SPHERES, /* SPHERES: one layer per light polar angle */
     NACRE_ROLE_NORMAL,  /* tangent-space normals, RGB8 or RGBA8: xyz = 2 code/255 - 1, +y up; any model */
+    NACRE_ROLE_MASK,    /* any format with uv: R how much of the second lit sphere, alpha what is written to alpha */
     NACRE_ROLE_COUNT
 } nacre_role;
 
@@ -160,13 +161,15 @@ typedef enum nacre_output {
     NACRE_OUTPUT_LINEAR    /* no curve, for sRGB-encoding or HDR framebuffers */
 } nacre_output;
 
-#define NACRE_MAX_LIGHTS 8
+#define NACRE_MAX_LIGHTS     8    /* that every backend shades directly */
+#define NACRE_MAX_LIT_LIGHTS 1024 /* directional ones, through a lit sphere */
 
 typedef struct nacre_view {
     nacre_mat4 object_to_view; /* rigid motion x scale (may be non-uniform, not 0) */
     nacre_mat4 view_to_clip;   /* as for GL; orthographic when row 3 is 0 0 0 1: the viewer is distant then */
     const nacre_light *lights; /* borrowed for the call */
-    uint8_t light_count;       /* 0..NACRE_MAX_LIGHTS; 0 draws ambient alone */
+    uint16_t light_count;      /* 0..NACRE_MAX_LIGHTS; through a lit sphere 0..NACRE_MAX_LIT_LIGHTS; 0 draws ambient
+                                   alone */
     uint8_t output;            /* nacre_output (sRGB) */
     uint8_t distant_viewer;    /* (0) 1: one view direction per draw, towards the mesh's centre, also under a
                                    perspective camera: cheaper; good for small or far objects. Point lights

@@ -111,6 +111,64 @@ nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const na
    to be lost, or abandoned; nothing was called. */
 nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item item, const nacre_view *view);
 
+/* ---- the lit sphere: any number of directional lights for one fetch a pixel ---------------------------------------
+
+   Under directional lights and one view direction radiance depends on the normal alone. A lit sphere is a small picture
+   of a sphere in one material under one set of lights, seen from one direction, in finished display codes. Items that
+   use it are drawn with one fetch by their normal, as a MatCap is: 1 light, 64 lights and an environment cost the same.
+
+     nacre_gles_lit_add(gles, &material, NULL, &lit);              once
+     nacre_gles_use_lit(gles, item, lit, none);                    once
+     nacre_gles_lit_update(gles, lit, mesh.centre, &view, 0);      before the frame; does nothing while nothing changed
+     nacre_gles_draw(gles, item, &view);                           as ever
+
+   Use it for more than one directional light, and for environments (as lights: `nacre bake lights`); point lights need
+   direct shading. Where an item's lit sphere holds no picture, or one for another output than the view's, draw shades
+   directly. */
+typedef struct nacre_gles_lit {
+    uint32_t id;
+} nacre_gles_lit; /* 0 is never valid */
+
+typedef struct nacre_gles_lit_desc {
+    uint16_t size;            /* (128) texels a side, 16..512: 4 bytes a texel. 64 for matt, 256 for glossy materials */
+    uint8_t rgb565;           /* (0) 1: 2 bytes a texel, visibly coarser */
+    nacre_bam view_tolerance; /* (64: 0.35 degrees) a picture is kept while the view direction has moved by less */
+} nacre_gles_lit_desc;
+
+/* Make a lit sphere of a material (TABLE or SPHERES; its normal map and mask are ignored). It takes one of max_items, and
+   its texture counts in texture_budget. desc may be NULL. Results as for nacre_gles_add. */
+nacre_result nacre_gles_lit_add(nacre_gles *gles, const nacre_material *material, const nacre_gles_lit_desc *desc,
+                                nacre_gles_lit *out);
+/* Unknown ones are ignored; items that use it are shaded directly. */
+void nacre_gles_lit_remove(nacre_gles *gles, nacre_gles_lit lit);
+
+/* Bring the picture up to date: the view's lights (all directional, up to NACRE_MAX_LIT_LIGHTS), exposure, ambient, tint
+   and output, seen from the direction in which an object with this centre (object space; NULL: its origin) has the eye.
+   Nothing is drawn while neither these nor the view direction changed (view_tolerance). budget 0: at once; else spread
+   over calls, so many lights a call, rounded up to what one pass holds: items show the last finished picture meanwhile,
+   lights that move in between enter as they are when their turn comes.
+   More lights than one program holds are summed in passes, in linear radiance at 16 bits a channel, clamped to 1 (linear
+   output: 16); only the last pass writes display codes.
+   Call it with the host's GL state as it is, outside bind .. unbind: framebuffer, viewport and all other state are left as
+   found. On failure items that use it are shaded directly until an update succeeds.
+   NACRE_ERR_ARGUMENT: view or lit not valid. NACRE_ERR_UNSUPPORTED: a point light; the device has no such framebuffers.
+   NACRE_ERR_BUDGET: texture_budget (passes need 16 bytes a texel more). NACRE_ERR_GL / LOST. */
+nacre_result nacre_gles_lit_update(nacre_gles *gles, nacre_gles_lit lit, const nacre_q16 centre[3],
+                                   const nacre_view *view, unsigned budget);
+
+typedef struct nacre_gles_lit_state {
+    uint8_t ready;        /* 1: it holds a picture */
+    uint8_t current;      /* 1: of what the last update asked for; 0: an update is under way, or failed */
+    uint16_t lights_done; /* of the update under way */
+    uint32_t pictures;    /* finished so far */
+} nacre_gles_lit_state;
+/* All 0 for unknown ones. */
+void nacre_gles_lit_get_state(const nacre_gles *gles, nacre_gles_lit lit, nacre_gles_lit_state *out);
+
+/* Draw and bind an item by a lit sphere, of any material (its own model is what direct shading falls back to); id 0: directly
+   again. With two, the material's mask (red) mixes their display codes; without a mask the second is ignored. */
+nacre_result nacre_gles_use_lit(nacre_gles *gles, nacre_gles_item item, nacre_gles_lit first, nacre_gles_lit second);
+
 /* For applications with a draw loop of their own: make the program current, bind the textures, set every uniform;
    *program (may be NULL) receives the GL name. Attributes are at NACRE_GLES_*. NACRE_ERR_UNSUPPORTED when this view
    needs more than one pass, see draw: every device holds four lights of a table in one, two of spheres (one, where the
