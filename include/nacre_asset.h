@@ -95,7 +95,7 @@
 /* Keys of every file, next to KTXorientation ("rd") and KTXwriter. The role decides which others there are. Transfer:
    how a code y in 0..1 maps to its value: "root", "root4", "srgb" or "linear", see the roles. */
 #define NACRE_KEY_VERSION  "nacre.asset_version" /* u32: NACRE_ASSET_VERSION; a file without it is a plain image */
-#define NACRE_KEY_ROLE     "nacre.role"          /* text: "table", "spheres", "normal"; none: a plain image */
+#define NACRE_KEY_ROLE     "nacre.role"          /* text: "table", "spheres", "normal", "mask"; none: a plain image */
 #define NACRE_KEY_TRANSFER "nacre.transfer"      /* text, see above */
 #define NACRE_KEY_NAME     "nacre.name"          /* text: the BRDF that was baked */
 #define NACRE_KEY_ETC1     "nacre.etc1_only"     /* u32: 1 = every ETC2 block is in a mode of ETC1 */
@@ -119,5 +119,8 @@
 
 /* role "normal" (any model). RGB8 or RGBA8, one layer, transfer "linear": x y z = 2 code/255 - 1 in tangent space, +y up
    the v axis. */
+
+/* role "mask" (any model, drawn by lit spheres). R8, RG8, RGB8 or RGBA8, one layer, transfer "linear": the first channel
+   is how much of the second lit sphere shows, alpha (RG8: the second channel; R8, RGB8: 1) what is written to alpha. */
 
 #endif

@@ -310,10 +310,19 @@ static int report_role(report *r, const nacre_image *image, failure *f)
         return fail(f, FAIL_INVALID, "%s: found normals in %s, expected RGB8 or RGBA8", r->path,
                     format_name(image->format));
     }
+    if (asset_key_is(image, NACRE_KEY_ROLE, "mask")) {
+        say(r, "a mask between two lit spheres, and alpha, usable with any model");
+        if (image->format == NACRE_FORMAT_R8 || image->format == NACRE_FORMAT_RG8 ||
+            image->format == NACRE_FORMAT_RGB8 || image->format == NACRE_FORMAT_RGBA8)
+            return FAIL_NONE;
+        return fail(f, FAIL_INVALID, "%s: found a mask in %s, expected R8, RG8, RGB8 or RGBA8", r->path,
+                    format_name(image->format));
+    }
     if (role) {
         char text[100];
         printable(role, size, text, sizeof text);
-        return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"table\", \"spheres\" or \"normal\"", r->path,
+        return fail(f, FAIL_INVALID,
+                    "%s: key %s: found \"%s\", expected \"table\", \"spheres\", \"normal\" or \"mask\"", r->path,
                     NACRE_KEY_ROLE, text);
     }
     say(r, image->faces == 6 ? "a cube map without a role" : "an image without a role");

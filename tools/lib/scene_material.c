@@ -12,7 +12,7 @@
 #include "png_io.h"
 #include "table_bake.h"
 
-static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal"};
+static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal", "mask"};
 
 static int ends_with(const char *text, const char *end)
 {
@@ -79,8 +79,8 @@ static int open_file(scene_material *m, const char *path, failure *f)
     return code;
 }
 
-/* A PNG becomes a file of role "normal" in memory. */
-static int open_normal_png(scene_material *m, const char *path, failure *f)
+/* A PNG becomes a file of its role in memory. */
+static int open_png(scene_material *m, nacre_role role, const char *path, failure *f)
 {
     ktx2_image k = {.format = NACRE_FORMAT_RGBA8, .faces = 1, .levels = 1};
     image_u8 picture;
@@ -96,12 +96,18 @@ static int open_normal_png(scene_material *m, const char *path, failure *f)
     k.width = picture.width;
     k.height = picture.height;
     bytes_append(&k.level[0], picture.texel, (size_t)picture.width * (size_t)picture.height * 4);
-    ktx2_key_text(&k, NACRE_KEY_ROLE, role_names[NACRE_ROLE_NORMAL]);
+    ktx2_key_text(&k, NACRE_KEY_ROLE, role_names[role]);
     ktx2_key_text(&k, NACRE_KEY_TRANSFER, "linear");
-    ktx2_write(&k, &m->file[NACRE_ROLE_NORMAL]);
+    ktx2_write(&k, &m->file[role]);
     ktx2_free(&k);
     image_u8_free(&picture);
-    return open_bytes(m, NACRE_ROLE_NORMAL, path, f);
+    return open_bytes(m, role, path, f);
+}
+
+/* Pictures over the surface, next to the reflectance. */
+static int is_map(nacre_role role)
+{
+    return role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK;
 }
 
 static int open_role(scene_material *m, nacre_role role, const char *path, failure *f)
@@ -109,7 +115,7 @@ static int open_role(scene_material *m, nacre_role role, const char *path, failu
     int code;
 
     if (m->material.image[role]) return fail(f, FAIL_USAGE, "--material: role %s is given twice", role_names[role]);
-    if (role == NACRE_ROLE_NORMAL && ends_with(path, ".png")) return open_normal_png(m, path, f);
+    if (is_map(role) && ends_with(path, ".png")) return open_png(m, role, path, f);
     code = file_read(&m->file[role], path, f);
     return code ? code : open_bytes(m, role, path, f);
 }
@@ -146,13 +152,14 @@ static int open_roles(scene_material *m, const char *text, char *reflectance, si
         char path[1000];
         int role = name < length ? role_named(text, name) : -1, code;
         if (role < 0 || name + 1 == length)
-            return fail(f, FAIL_USAGE, "--material: \"%.*s\", expected table=FILE, spheres=FILE or normal=FILE",
+            return fail(f, FAIL_USAGE,
+                        "--material: \"%.*s\", expected table=FILE, spheres=FILE, normal=FILE or mask=FILE",
                         (int)length, text);
         snprintf(path, sizeof path, "%.*s", (int)(length - name - 1), text + name + 1);
         code = open_role(m, (nacre_role)role, path, f);
         if (!code && role == NACRE_ROLE_NORMAL) code = decode_normal(m, path, f);
         if (code) return code;
-        if (role != NACRE_ROLE_NORMAL) {
+        if (!is_map((nacre_role)role)) {
             if (reflectance[0]) return fail(f, FAIL_USAGE, "--material: a table and spheres, expected one of them");
             snprintf(reflectance, size, "%s", path);
         }
