@@ -20,6 +20,7 @@
 
 #include "cases.h"
 #include "drivers.h"
+#include "gl_probe.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 
@@ -114,7 +115,7 @@ static int draw_all(int driver_index, const char *directory)
         printf("SKIPPED: %s: %s\n", d->name, f.text);
         return DRIVER_SKIPPED;
     }
-    found = driver_mediump_probe(gl);
+    found = gl_probe_mediump(gl);
     gl_headless_close(gl);
     if (found != (d->half ? 0 : 128)) {
         printf("SKIPPED: %s: mediump fract(4096.5) = %d / 255, expected %d: no half floats on this machine\n", d->name,

@@ -14,6 +14,7 @@
 
 #include "cases.h"
 #include "drivers.h"
+#include "gl_probe.h"
 #include "png_io.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
@@ -79,7 +80,7 @@ static int check_precision(const driver *d)
         return DRIVER_SKIPPED;
     }
     printf("%s: %s\n", d->name, gl_headless_description(gl));
-    found = driver_mediump_probe(gl);
+    found = gl_probe_mediump(gl);
     gl_headless_close(gl);
     if (d->half && found == 128) {
         printf("SKIPPED: driver %s: mediump is fp32 on this machine (no F16C), no half floats to test\n", d->name);

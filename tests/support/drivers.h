@@ -26,7 +26,4 @@ int driver_of_arguments(int argc, char **argv, const char **argument);
 /* Remove a directory that tests and their children shared, with the files in it. */
 void driver_remove_directory(const char *path);
 
-/* fract(4096.5) computed in mediump by the current context: 0 in fp16, 128 in fp32 (codes of 255). */
-int driver_mediump_probe(gl_headless *gl);
-
 #endif

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "compare_device.h"
 #include "ssim.h"
 
 /* ---- the reference -------------------------------------------------------------------------------------------------- */
@@ -135,18 +136,22 @@ static void score_albedo(compare_result *out, const compare_truth *truth, const 
 int compare_run(compare_result *out, metric_frames *frames, const compare_truth *truth, const compare_asset *asset,
                 compare_device *device, failure *f)
 {
-    metric_frames drawn;
-    (void)device;
-    (void)f;
-    metric_draw(&drawn, asset->reflectance, truth->exposure, truth->fov_deg);
-    *out = (compare_result){.relative_rms = metric_relative_rms(&truth->frames, &drawn)};
-    metric_score(&out->full, &truth->frames, &drawn, METRIC_FULL);
-    metric_score(&out->dim, &truth->frames, &drawn, METRIC_DIM);
-    out->ssim = mean_ssim(&truth->frames, &drawn);
+    int exact = compare_device_is_double(device), code = FAIL_NONE;
+    metric_frames decoded, shown = {0}, *drawn = exact ? &decoded : &shown, *other = exact ? &shown : &decoded;
+    if (!exact && !asset->texture_bytes)
+        return fail(f, FAIL_UNSUPPORTED, "%s: a BRDF draws in double only, expected FILE.ktx2", asset->name);
+    if (!exact) code = compare_device_draw(&shown, device, asset, truth->exposure, truth->fov_deg, f);
+    if (code) return code;
+    metric_draw(&decoded, asset->reflectance, truth->exposure, truth->fov_deg);
+    *out = (compare_result){.relative_rms = metric_relative_rms(&truth->frames, &decoded)};
+    metric_score(&out->full, &truth->frames, drawn, METRIC_FULL);
+    metric_score(&out->dim, &truth->frames, drawn, METRIC_DIM);
+    out->ssim = mean_ssim(&truth->frames, drawn);
     score_albedo(out, truth, asset->reflectance);
+    metric_frames_free(other);
     if (frames)
-        *frames = drawn;
+        *frames = *drawn;
     else
-        metric_frames_free(&drawn);
+        metric_frames_free(drawn);
     return FAIL_NONE;
 }

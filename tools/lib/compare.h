@@ -54,8 +54,24 @@ int compare_asset_take(compare_asset *out, bytes *file, const char *name, failur
 void compare_asset_of_brdf(compare_asset *out, brdf *b, const char *name);
 void compare_asset_close(compare_asset *asset);
 
-/* A renderer kept open for many assets; NULL stands for double: the file's 8-bit codes, filtered and decoded in double. */
+typedef enum compare_backend {
+    COMPARE_DOUBLE, /* the file's 8-bit codes, filtered and decoded in double */
+    COMPARE_EGL2,   /* nacre_gles's shaders on OpenGL ES 2.0 .. */
+    COMPARE_EGL3,   /* .. ES 3.0 .. */
+    COMPARE_OSMESA, /* .. and OSMesa */
+    COMPARE_SOFT,   /* the fixed-point CPU renderer */
+    COMPARE_BACKENDS
+} compare_backend;
+
+extern const char *const compare_backend_names[COMPARE_BACKENDS];
+
+/* A renderer kept open for many assets; NULL stands for double. One device, one thread. */
 typedef struct compare_device compare_device;
+/* FAIL_UNSUPPORTED, with the reason, where this machine or this build has it not. */
+int compare_device_open(compare_device **out, compare_backend backend, failure *f);
+void compare_device_close(compare_device *device);
+/* Renderer and precision in one line: "double", "Mesa / llvmpipe ... / OpenGL ES 3.1, mediump is fp16". */
+const char *compare_device_description(const compare_device *device);
 
 typedef struct compare_result {
     metric_result full, dim; /* as defined; light 2 stops down */

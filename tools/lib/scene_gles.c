@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "gl_probe.h"
 #include "nacre_gles.h"
 
 /* The few GL values used here; the entry points come from the context like the runtime's own. */
@@ -122,6 +123,11 @@ void scene_gles_close(scene_gles *g)
     gl_headless_close(g->context);
     free(g->block);
     free(g);
+}
+
+int scene_gles_mediump_is_half(scene_gles *g)
+{
+    return gl_probe_mediump(g->context) == 0;
 }
 
 const char *scene_gles_description(const scene_gles *g)
