@@ -337,7 +337,7 @@ static const parameter lafortune_list[] = {
     {"cy", 1, -100, 100, NAN, "coefficient of y"},
     {"cz", 1, -100, 100, 1, "coefficient of z"},
     {"n", 1, 0, 1e5, 20, "exponent"},
-    {"ks", 1, 0, 1e6, 1, "scale"},
+    {"ks", 1, 0, 1e60, 1, "scale"}, /* lobes that grow towards grazing angles: large where the sum never is 1 */
 };
 enum { LAF_KD, LAF_CX, LAF_CY, LAF_CZ, LAF_N, LAF_KS, LAF_COUNT, MAX_LOBES = 16 };
 
