@@ -8,6 +8,7 @@
 
 int cmd_bake(int argc, char **argv, failure *f);
 int cmd_bench(int argc, char **argv, failure *f);
+int cmd_compare(int argc, char **argv, failure *f);
 int cmd_fit(int argc, char **argv, failure *f);
 int cmd_info(int argc, char **argv, failure *f);
 int cmd_shot(int argc, char **argv, failure *f);

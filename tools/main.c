@@ -16,6 +16,7 @@ static const command commands[] = {
     {"bake", cmd_bake, "table, spheres or mesh: measured reflectance and shapes into small files"},
     {"fit", cmd_fit, "Lafortune lobes to a BRDF, by least squares"},
     {"shot", cmd_shot, "draw a mesh in a material to a PNG, by the GLES shaders or in double precision"},
+    {"compare", cmd_compare, "how close files come to the material they stand for: figures, pictures, a gate"},
     {"info", cmd_info, "what a file holds; --brdfs lists the built-in materials"},
     {"bench", cmd_bench, "milliseconds per frame of the shaders on this machine"},
 };

@@ -93,16 +93,28 @@ static void make_rows(png_state *state, uint8_t *texel, int height, size_t pitch
     for (int y = 0; y < height; y++) state->rows[y] = texel + (size_t)y * pitch;
 }
 
-int png_write(const char *path, const image_u8 *image, failure *f)
+int png_encode(bytes *out, const image_u8 *image, const char *name, failure *f)
 {
     if (image->width < 1 || image->height < 1 || image->channels < 1 || image->channels > 4)
         return fail(f, FAIL_INTERNAL, "%s: found a picture of %dx%d with %d channels, expected 1x1 or more with 1 to 4",
-                    path, image->width, image->height, image->channels);
+                    name, image->width, image->height, image->channels);
     png_state state = {0};
+    int code = FAIL_NONE;
     make_rows(&state, image->texel, image->height, (size_t)image->width * (size_t)image->channels);
-    int code = encode(&state, image) ? output_write_raw(path, &state.file, f)
-                                     : fail(f, FAIL_INTERNAL, "%s: PNG: %s", path, state.reason);
+    if (encode(&state, image))
+        bytes_append(out, state.file.data, state.file.size);
+    else
+        code = fail(f, FAIL_INTERNAL, "%s: PNG: %s", name, state.reason);
     free_state(&state);
+    return code;
+}
+
+int png_write(const char *path, const image_u8 *image, failure *f)
+{
+    bytes file = {0};
+    int code = png_encode(&file, image, path, f);
+    if (!code) code = output_write_raw(path, &file, f);
+    bytes_free(&file);
     return code;
 }
 

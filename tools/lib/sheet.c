@@ -18,6 +18,7 @@ enum {
     GROUP_GAP = 42, /* between groups of columns */
     TEXT_SCALE = 2, /* pixels per unit of the font, whose lines are 12 units high */
     LINE = 12 * TEXT_SCALE,
+    LEGEND = 3 * LINE, /* a bar, labels, air */
     TITLE_LINE = 12 * (TEXT_SCALE + 1) + 10,
     GREY = 116, /* sRGB code of the background: 17.5 % of white, so that black and white materials stand out */
     INK = 240
@@ -94,7 +95,7 @@ sheet sheet_begin(const sheet_layout *layout)
 {
     sheet s = {.layout = *layout};
     int width = column_x(layout, layout->columns - 1) + layout->cell_width + MARGIN;
-    int height = row_y(layout, layout->rows) - GAP + MARGIN;
+    int height = row_y(layout, layout->rows) - GAP + MARGIN + (layout->has_legend ? LEGEND : 0);
 
     s.picture = image_u8_make(width, height, 3);
     memset(s.picture.texel, GREY, (size_t)width * (size_t)height * 3);
@@ -152,15 +153,39 @@ static void label_line(sheet *s, int y, const char *text, size_t length)
 
 void sheet_row_label(sheet *s, int row, const char *text)
 {
-    int y = row_y(&s->layout, row) + (s->layout.cell_height - LINE) / 2;
-    size_t first = strcspn(text, "\n");
+    int lines = 1, y;
+    const char *c;
 
-    if (!text[first]) {
-        label_line(s, y, text, first);
-        return;
+    for (c = text; *c; c++) lines += *c == '\n';
+    y = row_y(&s->layout, row) + (s->layout.cell_height - lines * LINE) / 2;
+    for (; lines--; y += LINE) {
+        size_t length = strcspn(text, "\n");
+        label_line(s, y, text, length);
+        text += length + (text[length] == '\n');
     }
-    label_line(s, y - LINE / 2, text, first);
-    label_line(s, y + LINE / 2, text + first + 1, strlen(text + first + 1));
+}
+
+static void copy_rgb(image_u8 *to, int x0, int y0, const image_u8 *from)
+{
+    int y, width = from->width < to->width - x0 ? from->width : to->width - x0;
+
+    for (y = 0; y < from->height && y0 + y < to->height && width > 0; y++)
+        memcpy(to->texel + 3 * ((size_t)(y0 + y) * (size_t)to->width + (size_t)x0),
+               from->texel + 3 * (size_t)y * (size_t)from->width, 3 * (size_t)width);
+}
+
+void sheet_legend(sheet *s, const char *text, const image_u8 *bar, const char *const *label, int count)
+{
+    enum { LABEL_WIDTH = 200 };
+    int y = row_y(&s->layout, s->layout.rows) + GAP, i;
+    int x = s->picture.width - MARGIN - bar->width - LABEL_WIDTH / 2;
+    char line[256];
+
+    fit(line, sizeof line, text, TEXT_SCALE, x - MARGIN - GAP);
+    draw_text(&s->picture, MARGIN, y, TEXT_SCALE, line);
+    copy_rgb(&s->picture, x, y - 4, bar);
+    for (i = 0; i < count; i++)
+        centred(s, x + bar->width * i / (count - 1) - LABEL_WIDTH / 2, y + LINE, LABEL_WIDTH, label[i]);
 }
 
 void sheet_group_caption(sheet *s, int column, int row, int columns, const char *text)
