@@ -2,8 +2,10 @@
 #include "baselines.h"
 
 #include <stdio.h>
+#include <string.h>
 
 #include "ggx_fit.h"
+#include "lafortune_display.h"
 #include "sphere_bake.h"
 
 /* A MatCap that follows a light: one sphere image in paper mode, where light and cosine are in the picture, and normals
@@ -41,17 +43,18 @@ static brdf *best_matcap(const compare_truth *truth)
 
 void baseline_make(compare_asset *out, baseline which, const compare_truth *truth)
 {
-    switch (which) {
-    case BASELINE_GGX: {
+    static const char *const lafortune[] = {"Lafortune, 1 lobe", "Lafortune, 2 lobes", "Lafortune, 3 lobes"};
+    int lobes = (int)which - BASELINE_LAFORTUNE_1 + 1;
+    char name[sizeof out->description] = "";
+    if (which == BASELINE_GGX) {
         brdf *b = ggx_fit(truth->b, truth->exposure);
-        snprintf(b->description, sizeof b->description, "%.255s", b->name);
+        snprintf(name, sizeof name, "%s", b->name);
         compare_asset_of_brdf(out, b, "GGX + Lambert");
-        break;
-    }
-    case BASELINE_MATCAP:
+    } else if (which == BASELINE_MATCAP) {
         compare_asset_of_brdf(out, best_matcap(truth), "one MatCap, turned");
-        break;
-    case BASELINE_COUNT:
-        break;
+    } else {
+        brdf *b = lafortune_display_fit(truth->b, truth->exposure, lobes, name, sizeof name);
+        compare_asset_of_brdf(out, b, lafortune[lobes - 1]);
     }
+    if (*name) memcpy(out->description, name, sizeof name); /* opens it again */
 }

@@ -6,7 +6,10 @@
 #include "compare.h"
 
 typedef enum baseline {
-    BASELINE_GGX,    /* GGX + Lambert (ggx_fit.h) */
+    BASELINE_GGX,         /* GGX + Lambert (ggx_fit.h) */
+    BASELINE_LAFORTUNE_1, /* Lafortune lobes over a Lambert part (lafortune_display.h) */
+    BASELINE_LAFORTUNE_2,
+    BASELINE_LAFORTUNE_3,
     BASELINE_MATCAP, /* one picture of the lit sphere, turned with the light */
     BASELINE_COUNT
 } baseline;
