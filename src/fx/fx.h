@@ -22,6 +22,19 @@ static inline int64_t fx_shift(int64_t x, int shift)
     return (x + ((int64_t)1 << (shift - 1))) >> shift;
 }
 
+/* Zeros above the highest bit set, 0..31; x > 0. For per-pixel use. */
+static inline int fx_leading_zeros(uint32_t x)
+{
+#if defined(__GNUC__)
+    return __builtin_clz(x);
+#else
+    int zeros = 0;
+
+    for (; !(x >> 31); x <<= 1) zeros++;
+    return zeros;
+#endif
+}
+
 /* Number of the highest bit set, 0..63; x > 0. */
 int fx_top_bit(uint64_t x);
 

@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+/* Half-vector tables per unit normal: TABLE of include/nacre_asset.h for a distant viewer. */
+#include "eval_inner.h"
+
+#define LOG2_CODE_ROOT_Q16 (-30422) /* log2(sqrt(255 1.055 2^21) / 32768) */
+#define CODE_LOW           29412557 /* .055 x 255 x 2^21 */
+#define MOST_OCTAVES       (13 * 65536)
+
+/* ---- one light --------------------------------------------------------------------------------------------------- */
+
+/* The row around row_q28 as texel numbers: row[0] and row[1], and the weight of the latter in q15. */
+static int32_t find_rows(const shade_table *table, int32_t row_q28, const uint8_t *texels, const uint8_t *row[2])
+{
+    const int64_t at = (int64_t)row_q28 * table->height - FX_Q28_ONE / 2;
+    int64_t first = at < 0 ? 0 : at >> 28;
+    int32_t weight = at < 0 ? 0 : (int32_t)(at >> 13 & 32767);
+
+    if (first >= table->height - 1) {
+        first = table->height - 1;
+        weight = 0;
+    }
+    row[0] = texels + first * table->width * 4;
+    row[1] = first + 1 < table->height ? row[0] + table->width * 4 : row[0];
+    return weight;
+}
+
+/* (blended code / 255 - zero) x factor, q13; factor in q30. */
+static int32_t value_of(const uint8_t *const row[2], int32_t weight, unsigned at, int32_t zero_q15, int64_t factor_q30)
+{
+    const int64_t code = (int64_t)row[0][at] * (32768 - weight) + (int64_t)row[1][at] * weight - zero_q15;
+    const int64_t value = fx_shift(fx_shift(code * 8421505, 16) * fx_shift(factor_q30, 15), 32); /* 2^31 / 255 */
+
+    return (int32_t)(value < -8191 ? -8191 : value > 8191 ? 8191 : value);
+}
+
+static void set_column(uint32_t *columns, unsigned stride, unsigned width, const uint8_t *const row[2], int32_t weight,
+                       unsigned channel, int32_t zero_q15, int64_t factor_q30)
+{
+    int32_t next = value_of(row, weight, channel, zero_q15, factor_q30);
+    unsigned i;
+
+    for (i = 0; i < width; i++) {
+        const int32_t value = next;
+
+        if (i + 1 < width) next = value_of(row, weight, 4 * (i + 1) + channel, zero_q15, factor_q30);
+        columns[i * stride] = (uint32_t)value << 16 | ((uint32_t)(2 * (next - value)) & 65535u);
+    }
+}
+
+#define HALF_CODE_Q15 (127 * 32768 + 16384) /* 127.5 */
+
+static void set_columns(shade_table_eval *out, uint32_t *columns, const shade_table_setup *setup,
+                        const shade_table *table, const int64_t part_q30[3], const uint8_t *const texels[2])
+{
+    const uint8_t *row[2];
+    const int32_t weight = find_rows(table, setup->row_q28, texels[0], row);
+    const unsigned stride = out->fine ? 8 : 4, width = table->width;
+    int64_t bend_q30[3], most = 0;
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        set_column(columns + i, stride, width, row, weight, (unsigned)i, 0, part_q30[i]);
+        bend_q30[i] = out->fine ? fx_shift(part_q30[i] * table->k2, 16) : fx_shift(part_q30[i] * table->w[i], 16);
+        if (bend_q30[i] > most) most = bend_q30[i];
+    }
+    for (i = 0; i < 3; i++)
+        out->phi[i] = (int16_t)(most > 0 ? eval_least((int32_t)fx_div(bend_q30[i] * 32768, most), 32767) : 0);
+    set_column(columns + 3, stride, width, row, weight, 3, HALF_CODE_Q15, most);
+    if (!out->fine) return;
+    find_rows(table, setup->row_q28, texels[1], row);
+    for (i = 0; i < 3; i++)
+        set_column(columns + 4 + i, stride, width, row, weight, (unsigned)i, HALF_CODE_Q15,
+                   fx_shift(part_q30[i] * table->k1, 16));
+}
+
+/* u: 0 at n = h, (width - 1) at t = 1. */
+static int set_coordinate(shade_table_eval *out, const shade_table *table)
+{
+    const int64_t range = fx_log2_u64((uint64_t)table->eps + 65536) - fx_log2_u64((uint64_t)table->eps);
+    const int64_t two_eps_q28 = (int64_t)table->eps << 13;
+    int64_t scale_q11;
+
+    if (range <= 0 || range > MOST_OCTAVES || table->width > SHADE_EVAL_MAX_WIDTH) return 0;
+    scale_q11 = fx_div((int64_t)(table->width - 1) * 65536 * 2048, range);
+    if (scale_q11 > 32767) return 0;
+    out->scale = (int16_t)scale_q11;
+    out->log_middle = eval_log2((uint32_t)(two_eps_q28 >> 7)) + (int32_t)(range >> 5);
+    out->at_middle = -(int32_t)((-(range >> 5) * scale_q11) >> 8);
+    out->last = ((int32_t)table->width - 1) * 32768 - 1;
+    if (out->last < 0) out->last = 0;
+    return 1;
+}
+
+static void set_directions(shade_table_eval *out, const shade_table_setup *setup, const shade_table *table)
+{
+    const int32_t hx = shade_eval_q14(setup->half_q28[0]), hy = shade_eval_q14(setup->half_q28[1]),
+                  hz = shade_eval_q14(setup->half_q28[2]);
+    const int64_t most = fx_shift((int64_t)setup->sin_q28 * setup->cos_q28, 41);
+
+    out->to_light_xy = shade_pack_xy(shade_eval_q14(setup->to_light_q28[0]), shade_eval_q14(setup->to_light_q28[1]));
+    out->to_light_z = shade_eval_q14(setup->to_light_q28[2]);
+    out->half_xy = shade_pack_xy(hx <= -16384 ? 32767 : -2 * hx, hy <= -16384 ? 32767 : -2 * hy);
+    out->half_z = (int16_t)(hz <= -16384 ? 32767 : -2 * hz);
+    out->offset = hx * hx + hy * hy + hz * hz + (int32_t)((int64_t)table->eps << 13);
+    out->limit = (int16_t)(most > 16383 ? 16383 : most);
+}
+
+int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const shade_light *light,
+                             const shade_material *material, const uint8_t *const texels[2])
+{
+    const shade_table *const table = &material->is.table;
+    shade_table_eval eval = {0};
+    int64_t log2_of[3], part_q30[3], most = FX_LOG2_ZERO;
+    int i;
+
+    if (!set_coordinate(&eval, table)) return 0;
+    eval.columns = columns;
+    eval.fine = material->fine;
+    eval.power4 = table->p == 4 * 65536;
+    for (i = 0; i < 3; i++) {
+        log2_of[i] = fx_real_log2_q16(light->linear[i]);
+        if (log2_of[i] > most) most = log2_of[i];
+    }
+    eval.dark = most <= FX_LOG2_ZERO;
+    for (i = 0; i < 3; i++) {
+        const int64_t below = log2_of[i] <= FX_LOG2_ZERO ? 2 * FX_LOG2_ZERO : (log2_of[i] - most) * 65536;
+
+        part_q30[i] = 2 * (int64_t)fx_real_fixed(fx_real_exp2(fx_div(below, table->p)), 29);
+    }
+    set_directions(&eval, &light->is.table, table);
+    set_columns(&eval, columns, &light->is.table, table, part_q30, texels);
+    if (eval.power4) {
+        shade_eval_gain(fx_shift(most - 2 * 65536, 1), &eval.gain, &eval.shift);
+    } else {
+        shade_eval_gain(fx_div((most - 2 * 65536) * 5, 24), &eval.gain, &eval.shift);
+        shade_eval_gain(fx_div(most * 5, 24) + LOG2_CODE_ROOT_Q16, &eval.gain_code, &eval.shift_code);
+    }
+    *out = eval;
+    return 1;
+}
+
+int shade_table_has_code(const shade_table_eval *eval)
+{
+    return !eval->power4;
+}
+
+/* ---- pixels ------------------------------------------------------------------------------------------------------ */
+
+/* Root of the light's radiance / 2, q15: (y (n.l)^(1/4.8) gain)^2.4, or y^2 (n.l)^(1/2) gain. */
+static inline int32_t half_root(const shade_table_eval *e, int32_t y, int32_t cosine)
+{
+    if (e->power4) return eval_product(eval_least(y * y >> 14, 32767), cosine, e->shift);
+    return eval_pow24(eval_product(y, cosine, e->shift));
+}
+
+static inline void add(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, shade_rgb radiance,
+                       int fine)
+{
+    int i;
+
+    for (i = 0; i < count; i++) {
+        const eval_surface n = eval_surface_of(xy[i], z[i]);
+        const int32_t nl = eval_dot(&n, e->to_light_xy, e->to_light_z);
+        int32_t root[3], cosine;
+
+        if (nl <= 0) continue;
+        cosine = eval_root48(nl >> 5);
+        if (e->power4) cosine = eval_pow24(cosine);
+        cosine = eval_mul_q15(cosine, e->gain);
+        eval_table_roots(e, &n, nl, fine, root);
+        radiance.r[i] += eval_square(half_root(e, root[0], cosine));
+        radiance.g[i] += eval_square(half_root(e, root[1], cosine));
+        radiance.b[i] += eval_square(half_root(e, root[2], cosine));
+    }
+}
+
+void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, shade_rgb radiance)
+{
+    if (eval->dark) return;
+    if (eval->fine)
+        add(eval, xy, z, count, radiance, 1);
+    else
+        add(eval, xy, z, count, radiance, 0);
+}
+
+/* y^2 (n.l)^(1/2.4) e - .055 = z^2 - .055 */
+static inline uint32_t code_of(int32_t z)
+{
+    const int32_t code = (z * z - CODE_LOW + (1 << 20)) >> 21;
+
+    return (uint32_t)(code < 0 ? 0 : eval_least(code, 255));
+}
+
+static inline void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,
+                        int fine)
+{
+    int i;
+
+    for (i = 0; i < count; i++) {
+        const eval_surface n = eval_surface_of(xy[i], z[i]);
+        const int32_t nl = eval_dot(&n, e->to_light_xy, e->to_light_z);
+        uint32_t out = 255u << 24;
+
+        if (nl > 0) {
+            const int32_t cosine = eval_mul_q15(eval_root48(nl >> 5), e->gain_code);
+            int32_t root[3];
+
+            eval_table_roots(e, &n, nl, fine, root);
+            out |= code_of(eval_product(root[0], cosine, e->shift_code)) |
+                   code_of(eval_product(root[1], cosine, e->shift_code)) << 8 |
+                   code_of(eval_product(root[2], cosine, e->shift_code)) << 16;
+        }
+        rgba[i] = out;
+    }
+}
+
+void shade_table_code(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba)
+{
+    int i;
+
+    if (eval->dark)
+        for (i = 0; i < count; i++) rgba[i] = 255u << 24;
+    else if (eval->fine)
+        code(eval, xy, z, count, rgba, 1);
+    else
+        code(eval, xy, z, count, rgba, 0);
+}
