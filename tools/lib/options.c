@@ -9,12 +9,14 @@
 
 static void print_help(const char *usage, const option *table, size_t count)
 {
-    printf("usage: %s\n", usage);
+    const char *notes = strchr(usage, '\n');
+    printf("usage: %.*s\n", (int)strcspn(usage, "\n"), usage);
     for (size_t i = 0; i < count; i++) {
         char left[64];
         snprintf(left, sizeof left, "%s %s", table[i].name, table[i].argument ? table[i].argument : "");
         printf("  %-28s %s\n", left, table[i].help ? table[i].help : "");
     }
+    if (notes) printf("%s", notes);
 }
 
 static int edit_distance(const char *a, const char *b)
@@ -139,7 +141,7 @@ static int parse_option(int argc, char **argv, int *i, const option *table, size
 int options_parse(int argc, char **argv, const char *usage, const option *table, size_t table_count,
                   const char **operand, int *count, int low_count, int high_count, failure *f)
 {
-    int operands = 0, only_operands = 0;
+    int operands = 0, only_operands = 0, line = (int)strcspn(usage, "\n");
     for (int i = 1; i < argc; i++) {
         const char *word = argv[i];
         if (!only_operands && !strcmp(word, "--")) {
@@ -152,12 +154,14 @@ int options_parse(int argc, char **argv, const char *usage, const option *table,
             int code = parse_option(argc, argv, &i, table, table_count, f);
             if (code) return code;
         } else {
-            if (!*word) return fail(f, FAIL_USAGE, "%s: found an empty argument; usage: %s", argv[0], usage);
-            if (operands == high_count) return fail(f, FAIL_USAGE, "%s: one argument too many; usage: %s", word, usage);
+            if (!*word) return fail(f, FAIL_USAGE, "%s: found an empty argument; usage: %.*s", argv[0], line, usage);
+            if (operands == high_count)
+                return fail(f, FAIL_USAGE, "%s: one argument too many; usage: %.*s", word, line, usage);
             operand[operands++] = word;
         }
     }
-    if (operands < low_count) return fail(f, FAIL_USAGE, "%s: an argument is missing; usage: %s", argv[0], usage);
+    if (operands < low_count)
+        return fail(f, FAIL_USAGE, "%s: an argument is missing; usage: %.*s", argv[0], line, usage);
     *count = operands;
     return FAIL_NONE;
 }

@@ -30,7 +30,7 @@ typedef struct option {
 
 /* Parse argv[1..]; operands (not options; "-" and what follows "--" too) go to operand[0..*count-1].
    low_count..high_count operands are accepted; usage is the line shown by --help, which prints the table and
-   ends the program with 0. An unknown option names the nearest known one. */
+   what follows that line in usage, and ends the program with 0. An unknown option names the nearest known one. */
 int options_parse(int argc, char **argv, const char *usage, const option *table, size_t table_count,
                   const char **operand, int *count, int low_count, int high_count, failure *f);
 

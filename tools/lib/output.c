@@ -111,6 +111,47 @@ static int write_in_place(const char *path, const bytes *b, failure *f)
     return bad ? fail(f, FAIL_IO, "%s: can't write %zu bytes: %s", path, b->size, strerror(error)) : FAIL_NONE;
 }
 
+/* What will be renamed to a path. Where the system can do that, it has no name until it is whole: a process killed while
+   it writes leaves nothing behind. */
+struct draft {
+    int fd, named;
+    char *name; /* malloc'd */
+};
+
+enum { DRAFT_SUFFIX = 32 };
+
+static struct draft draft_open(const char *path)
+{
+    size_t length = strlen(path);
+    struct draft d = {-1, 0, need_memory(length + DRAFT_SUFFIX, 1)};
+    const char *slash = strrchr(path, '/');
+    if (slash)
+        snprintf(d.name, length + DRAFT_SUFFIX, "%.*s", slash == path ? 1 : (int)(slash - path), path);
+    else
+        strcpy(d.name, ".");
+    d.fd = access("/proc/self/fd", X_OK) ? -1 : open(d.name, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0600);
+    if (d.fd >= 0) return d;
+    snprintf(d.name, length + DRAFT_SUFFIX, "%s.XXXXXX", path);
+    d.fd = mkstemp(d.name);
+    d.named = d.fd >= 0;
+    return d;
+}
+
+/* Give it a name beside path that no other file has. */
+static int draft_name(struct draft *d, const char *path)
+{
+    char handle[40];
+    snprintf(handle, sizeof handle, "/proc/self/fd/%d", d->fd);
+    for (int i = 0; !d->named; i++) {
+        snprintf(d->name, strlen(path) + DRAFT_SUFFIX, "%s.%d-%d", path, (int)getpid(), i);
+        if (!linkat(AT_FDCWD, handle, AT_FDCWD, d->name, AT_SYMLINK_FOLLOW))
+            d->named = 1;
+        else if (errno != EEXIST)
+            return -1;
+    }
+    return 0;
+}
+
 int output_write_raw(const char *path, const bytes *b, failure *f)
 {
     struct stat status;
@@ -118,25 +159,21 @@ int output_write_raw(const char *path, const bytes *b, failure *f)
     if (exists && S_ISDIR(status.st_mode)) return fail(f, FAIL_IO, "%s: is a directory, expected a file", path);
     if (exists && !S_ISREG(status.st_mode)) return write_in_place(path, b, f);
 
-    size_t length = strlen(path);
-    char *temporary = need_memory(length + 8, 1);
-    memcpy(temporary, path, length);
-    memcpy(temporary + length, ".XXXXXX", 8);
-    int fd = mkstemp(temporary);
-    if (fd < 0) {
+    struct draft d = draft_open(path);
+    if (d.fd < 0) {
         int code = fail(f, FAIL_IO, "%s: can't write: %s", path, strerror(errno));
-        free(temporary);
+        free(d.name);
         return code;
     }
     mode_t mask = umask(0);
     umask(mask);
     mode_t mode = exists ? status.st_mode & 07777 : 0666 & ~mask;
-    int bad = write_all(fd, b) || fchmod(fd, mode) || fsync(fd);
+    int bad = write_all(d.fd, b) || fchmod(d.fd, mode) || fsync(d.fd) || draft_name(&d, path);
     int error = errno;
-    if (close(fd) && !bad) bad = 1, error = errno;
-    if (!bad && rename(temporary, path)) bad = 1, error = errno;
-    if (bad) unlink(temporary);
-    free(temporary);
+    if (close(d.fd) && !bad) bad = 1, error = errno;
+    if (!bad && rename(d.name, path)) bad = 1, error = errno;
+    if (bad && d.named) unlink(d.name);
+    free(d.name);
     return bad ? fail(f, FAIL_IO, "%s: can't write %zu bytes: %s", path, b->size, strerror(error)) : FAIL_NONE;
 }
 
