@@ -32,7 +32,7 @@ endif
 CFLAGS ?=
 RUNTIME_FLAGS = -std=c99 -pedantic $(WARNINGS) $(CONFIG_FLAGS) -fPIC -ffunction-sections -MMD -MP $(CFLAGS)
 HOST_FLAGS = -std=c11 -D_GNU_SOURCE $(WARNINGS) $(CONFIG_FLAGS) -fopenmp -MMD -MP $(CFLAGS)
-HOST_LIBS := -lassimp -lcminpack -lpng -lm -ldl
+HOST_LIBS := -lassimp -lcjson -lcminpack -lpng -lm -ldl
 
 # V=1 shows the commands. Targets that build before they run use every core unless -j says otherwise.
 ifdef V

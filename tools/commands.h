@@ -7,6 +7,7 @@
 #include "failure.h"
 
 int cmd_bake(int argc, char **argv, failure *f);
+int cmd_batch(int argc, char **argv, failure *f);
 int cmd_bench(int argc, char **argv, failure *f);
 int cmd_compare(int argc, char **argv, failure *f);
 int cmd_fit(int argc, char **argv, failure *f);

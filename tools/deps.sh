@@ -24,10 +24,12 @@ probe() {
         header_in libc6-dev stdlib.h
         header_in libpng-dev png.h
         header_in libassimp-dev assimp/cimport.h
+        header_in libcjson-dev cjson/cJSON.h
+        header_in libxxhash-dev xxhash.h
         header_in libegl-dev EGL/egl.h
         header_in libcminpack-dev cminpack-1/cminpack.h
     else
-        missing="$missing libc6-dev libpng-dev libassimp-dev libegl-dev libcminpack-dev"
+        missing="$missing libc6-dev libpng-dev libassimp-dev libcjson-dev libxxhash-dev libegl-dev libcminpack-dev"
     fi
     file_in libegl1 /usr/lib/*/libEGL.so.1 /usr/lib/libEGL.so.1 /usr/lib64/libEGL.so.1
     file_in libegl-mesa0 /usr/lib/*/libEGL_mesa.so.0 /usr/lib/libEGL_mesa.so.0 /usr/lib64/libEGL_mesa.so.0

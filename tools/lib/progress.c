@@ -53,6 +53,13 @@ void progress_add(progress *p, double units)
     }
 }
 
+void progress_drop(progress *p, double units)
+{
+    if (!p) return;
+#pragma omp critical(progress)
+    p->total -= units;
+}
+
 void progress_end(progress *p)
 {
     if (!p || !p->visible) return;

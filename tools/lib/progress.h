@@ -13,9 +13,10 @@ typedef struct progress { /* zero, but for quiet */
 } progress;
 
 /* The worker says what it counts ("images"; kept, not copied) and how many there are (> 0), reports from any thread
-   what is done, and ends: the line is wiped. p may be NULL in all three. */
+   what is done, and ends: the line is wiped. p may be NULL in all of them. */
 void progress_begin(progress *p, const char *unit, double total);
 void progress_add(progress *p, double units);
+void progress_drop(progress *p, double units); /* so many need no work: the total shrinks, the rate stays */
 void progress_end(progress *p);
 
 #endif
