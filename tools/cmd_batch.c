@@ -43,7 +43,7 @@ static const char usage[] =
     "exit codes: as of nacre; that of the list's first material that failed, when the others are done\n";
 
 typedef struct batch_command {
-    const char *manifest, *json, *csv, *shard;
+    const char *manifest, *json, *csv, *shard, *backend;
     double fail_below;
     int quiet;
     batch_options options;
@@ -64,6 +64,8 @@ static int parse(batch_command *c, int argc, char **argv, failure *f)
         {"-o", OPTION_TEXT, &c->options.directory, 0, 0, "DIR", "directory of the outputs; made if it is not there"},
         {"--jobs", OPTION_INT, &c->options.jobs, 1, POOL_MAX_JOBS, "N", "(all cores) so many materials at a time"},
         {"--shard", OPTION_TEXT, &c->shard, 0, 0, "I/N", "only the I-th of every N materials, I in 1..N"},
+        {"--backend", OPTION_TEXT, &c->backend, 0, 0, "NAME",
+         "what draws for comparison: double (default), egl2, egl3, osmesa or soft"},
         {"--json", OPTION_TEXT, &c->json, 0, 0, "FILE", "results as JSON (- for standard output)"},
         {"--csv", OPTION_TEXT, &c->csv, 0, 0, "FILE", "results as CSV, a line a material"},
         {"--fail-below", OPTION_REAL, &c->fail_below, 0, 99, "DB", "exit code 5 if a material's pooled PSNR is less"},
@@ -71,6 +73,7 @@ static int parse(batch_command *c, int argc, char **argv, failure *f)
     };
     int code = options_parse(argc, argv, usage, table, sizeof table / sizeof *table, &c->manifest, &operands, 1, 1, f);
     if (!code && c->shard) code = parse_shard(c->shard, &c->options, f);
+    if (!code && c->backend) code = compare_backend_find(&c->options.backend, c->backend, f);
     if (!code && !c->options.directory) code = fail(f, FAIL_USAGE, "-o DIR is missing");
     return code;
 }

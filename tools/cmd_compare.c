@@ -30,16 +30,6 @@ typedef struct compare_command {
 
 /* ---- the command line ---------------------------------------------------------------------------------------------- */
 
-static int find_backend(compare_command *c, failure *f)
-{
-    for (int i = 0; i < COMPARE_BACKENDS; i++) {
-        if (strcmp(c->backend_name, compare_backend_names[i])) continue;
-        c->backend = (compare_backend)i;
-        return FAIL_NONE;
-    }
-    return fail(f, FAIL_USAGE, "--backend %s: unknown, expected double, egl2, egl3, osmesa or soft", c->backend_name);
-}
-
 static int parse_limit(compare_command *c, failure *f)
 {
     int count;
@@ -92,7 +82,7 @@ static int parse(compare_command *c, int argc, char **argv, failure *f)
     };
     int code = options_parse(argc, argv, "nacre compare BRDF ASSET... [options]", table, sizeof table / sizeof *table,
                              c->operand, &c->operands, 2, 1 + MOST_ASSETS, f);
-    if (!code) code = find_backend(c, f);
+    if (!code) code = compare_backend_find(&c->backend, c->backend_name, f);
     if (!code) code = parse_limit(c, f);
     return code ? code : check_outputs(c, f);
 }

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "compare.h"
 #include "nacre.h"
 #include "pool.h"
 
@@ -28,13 +27,15 @@ const batch_figure batch_figures[BATCH_FIGURES] = {
     [BATCH_ALBEDO_ERROR] = {"albedo_error", "albedo %", .01, 2, -1},
 };
 
-/* What a run keeps at hand. In a worker, the last BRDF's reference too: lists often ask for one in several sizes. */
+/* What a run keeps at hand. In a worker, the backend and the last BRDF's reference too: lists often ask for one in several
+   sizes. */
 typedef struct run {
     const batch_options *options;
     batch *out;
     char program[CONTENT_TEXT]; /* fingerprint of this executable */
     char truth_of[CONTENT_TEXT];
     compare_truth truth;
+    compare_device *device; /* NULL: not opened yet */
 } run;
 
 /* ---- one material --------------------------------------------------------------------------------- */
@@ -55,6 +56,7 @@ static void made_of(const run *r, const manifest_item *item, const char *source,
     content *c = content_begin();
     content_add_text(c, RECORD_FORMAT);
     content_add_text(c, r->program);
+    content_add_text(c, compare_backend_names[r->options->backend]);
     content_add_text(c, source);
     content_add_text(c, item->kind);
     for (int i = 2; i < item->argument_count; i++) content_add_text(c, item->argument[i]);
@@ -98,7 +100,7 @@ static int compare(const run *r, const manifest_item *item, const bytes *file, d
         bytes_free(&copy);
         return code;
     }
-    code = compare_run(&c, NULL, &r->truth, &asset, NULL, f);
+    code = compare_run(&c, NULL, &r->truth, &asset, r->device, f);
     if (!code) {
         figure[BATCH_BYTES] = (double)asset.texture_bytes;
         figure[BATCH_FETCHES] = asset.fetches;
@@ -121,6 +123,7 @@ static int bake(run *r, const manifest_item *item, const char *source, const cha
     bake_result baked;
     char now[CONTENT_TEXT];
     int code = output_apart(path, bake_input(item->brdf), f);
+    if (!code && !r->device) code = compare_device_open(&r->device, r->options->backend, f);
     if (code || (code = need_truth(r, item, source, f))) return code;
     if ((code = bake_run(&item->request, r->truth.b, path, NULL, &baked, f))) return code;
     if (!(code = compare(r, item, &baked.file, record->figure, f))) code = brdf_content(item, now, f);

@@ -3,6 +3,7 @@
 #ifndef BATCH_H
 #define BATCH_H
 
+#include "compare.h"
 #include "content.h"
 #include "manifest.h"
 
@@ -41,11 +42,12 @@ typedef struct batch_result {
 } batch_result;
 
 typedef struct batch_options {
-    const char *directory; /* of all outputs; made if it is not there */
-    int jobs;              /* processes, 1..256; results do not depend on it */
-    int shard, shards;     /* 1..shards: only every shards-th item, from the shard-th on */
-    progress *progress;    /* told of materials; may be NULL */
-    const char *name;      /* of the manifest, for messages */
+    const char *directory;   /* of all outputs; made if it is not there */
+    compare_backend backend; /* draws the assets for comparison */
+    int jobs;                /* processes, 1..256; results do not depend on it */
+    int shard, shards;       /* 1..shards: only every shards-th item, from the shard-th on */
+    progress *progress;      /* told of materials; may be NULL */
+    const char *name;        /* of the manifest, for messages */
 } batch_options;
 
 typedef struct batch {
@@ -54,7 +56,7 @@ typedef struct batch {
     int interrupted; /* by this signal; what was not reached is BATCH_FAILED */
 } batch;
 
-/* Every material gives OUTPUT and OUTPUT.json: its figures and the fingerprints of what it was made of (this program, kind,
+/* Every material gives OUTPUT and OUTPUT.json: its figures and the fingerprints of what it was made of (this program, the backend, kind,
    options, the BRDF's name and its file's content) and of OUTPUT. A material whose fingerprints are all still right is up to
    date. Both files appear whole or not at all, the second one last. A material that fails is told to standard error in one
    line and leaves its files as they were.

@@ -64,6 +64,7 @@ typedef enum compare_backend {
 } compare_backend;
 
 extern const char *const compare_backend_names[COMPARE_BACKENDS];
+int compare_backend_find(compare_backend *out, const char *name, failure *f); /* FAIL_USAGE: there is no such one */
 
 /* A renderer kept open for many assets; NULL stands for double. One device, one thread. */
 typedef struct compare_device compare_device;

@@ -9,6 +9,16 @@
 
 const char *const compare_backend_names[COMPARE_BACKENDS] = {"double", "egl2", "egl3", "osmesa", "soft"};
 
+int compare_backend_find(compare_backend *out, const char *name, failure *f)
+{
+    for (int i = 0; i < COMPARE_BACKENDS; i++) {
+        if (strcmp(name, compare_backend_names[i])) continue;
+        *out = (compare_backend)i;
+        return FAIL_NONE;
+    }
+    return fail(f, FAIL_USAGE, "--backend %s: unknown, expected double, egl2, egl3, osmesa or soft", name);
+}
+
 struct compare_device {
     compare_backend backend;
     scene_gles *gles; /* NULL: draws in double */
