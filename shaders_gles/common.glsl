@@ -33,10 +33,16 @@ precision mediump float;
 #endif
 #endif
 
-varying UNIT vec3 v_normal;
+varying UNIT vec3 v_normal; // SPHERE: see frame.vert
+#if SPHERE
+varying HIGHP vec2 v_at;
+varying UNIT vec3 v_axis;
+#endif
 #if NORMAL_MAP
 varying mediump vec3 v_tangent;
 varying mediump vec3 v_bitangent;
+#endif
+#if NORMAL_MAP || MASK
 varying HIGHP vec2 v_uv;
 #endif
 #if PERSP

@@ -8,8 +8,11 @@ uniform sampler2D u_normal_map;
 uniform vec4 u_ambient[1]; // radiance
 #endif
 #if PASS
-uniform sampler2D u_sum_high;
-uniform sampler2D u_sum_low;
+uniform HIGHP sampler2D u_sum_high;
+uniform HIGHP sampler2D u_sum_low;
+#endif
+#if PASS == PASS_SUM
+uniform vec4 u_byte[1]; // 1 0: write the high byte, 0 1: the low one
 #endif
 #if ES3
 out mediump vec4 o_color;
@@ -18,7 +21,10 @@ out mediump vec4 o_color;
 
 UNIT vec3 surface_normal()
 {
-#if NORMAL_MAP
+#if SPHERE
+    HIGHP float r = min(dot(v_at, v_at), 1.0);
+    return normalize(v_normal * (2.0 * sqrt(1.0 - r)) + v_axis * (1.0 - 2.0 * r));
+#elif NORMAL_MAP
     vec3 m = texture2D(u_normal_map, v_uv).rgb * 2.0 - 1.0;
     return normalize(v_tangent * m.x + v_bitangent * m.y + v_normal * m.z);
 #else
@@ -41,6 +47,10 @@ vec3 encode(vec3 radiance)
 {
 #if OUTPUT == OUTPUT_LINEAR
     return radiance;
+#elif OUTPUT == OUTPUT_SRGB && SPHERE
+    // Texels are few: the exact curve. 2^-14 is the smallest normal number of fp16.
+    vec3 curve = exp2(log2(clamp(radiance, 0.00006103516, 1.0)) * (1.0 / 2.4)) * 1.055 - 0.055;
+    return mix(max(radiance, 0.0) * 12.92, curve, step(0.0031308, radiance));
 #else
     return encode_root(sqrt(min(radiance, 1.0)));
 #endif
@@ -60,10 +70,9 @@ void main()
     vec3 color = encode_root(LIGHT(0));
 #else
 #if PASS
-    // High byte floor(255 sum), low byte fract(204 sum). Two programs wrote them, and may have rounded the sum to different
-    // sides of a whole number: because 204 is less than 255, the low byte still says which step is meant.
-    HIGHP vec3 low = texture2DProj(u_sum_low, v_screen).rgb;
-    HIGHP vec3 sum = (low + floor(texture2DProj(u_sum_high, v_screen).rgb * 204.0 + 0.9 - low)) * (1.0 / 204.0);
+    // 16 bits, k / 65535 with k = 256 high + low.
+    HIGHP vec3 sum = texture2DProj(u_sum_high, v_screen).rgb * (65280.0 / 65535.0);
+    sum += texture2DProj(u_sum_low, v_screen).rgb * (255.0 / 65535.0);
 #else
     vec3 sum = vec3(0.0);
 #endif
@@ -94,10 +103,10 @@ void main()
 #if LIGHTS > 7
     sum += LIGHT(7);
 #endif
-#if PASS == PASS_SUM_HIGH
-    vec3 color = floor(min(sum, 1.0) * 255.0) * (1.0 / 255.0);
-#elif PASS == PASS_SUM_LOW
-    vec3 color = fract(min(sum, 1.0) * 204.0);
+#if PASS == PASS_SUM
+    HIGHP vec3 steps = min(sum, 1.0) * (65535.0 / 256.0) + 0.5 / 256.0; // nearest k, / 256
+    HIGHP vec3 high = min(floor(steps), 255.0);
+    vec3 color = (high * u_byte[0].x + floor((steps - high) * 256.0) * u_byte[0].y) * (1.0 / 255.0);
 #elif PASS == PASS_LAST && OUTPUT == OUTPUT_LINEAR
     vec3 color = 16.0 * sum;
 #else

@@ -31,11 +31,11 @@ static int light_is_valid(const nacre_light *light)
     return light->type == NACRE_LIGHT_POINT || light->direction.x || light->direction.y || light->direction.z;
 }
 
-static int view_is_valid(const nacre_view *view)
+int gles_view_is_valid(const nacre_view *view)
 {
     const nacre_q16 *m;
     unsigned i;
-    if (!view || view->light_count > NACRE_MAX_LIGHTS || (view->light_count && !view->lights)) return 0;
+    if (!view || view->light_count > NACRE_MAX_LIT_LIGHTS || (view->light_count && !view->lights)) return 0;
     if (view->output > NACRE_OUTPUT_LINEAR || view->distant_viewer > 1 || view->exposure < 0) return 0;
     for (i = 0; i < view->light_count; i++)
         if (!light_is_valid(&view->lights[i])) return 0;
@@ -67,6 +67,11 @@ void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, u
     const shade_material *material = &draw->item->material;
     memset(key, 0, sizeof *key);
     key_model(key, material);
+    if (draw->lit[0]) {
+        key->model = GLES_KEY_LIT;
+        key->mask = draw->item->image[NACRE_ROLE_MASK] ? draw->lit[1] ? 2 : 1 : 0;
+    }
+    key->sphere = draw->sphere;
     key->lights = (uint8_t)lights;
     key->pass = (uint8_t)pass;
     key->output = draw->view->output;
@@ -83,24 +88,24 @@ void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, u
 static unsigned most_lights(const nacre_gles *gles, const gles_draw *draw, unsigned pass)
 {
     gles_key key;
-    gles_key_of(gles, &key, draw, draw->view->light_count, pass);
+    gles_key_of(gles, &key, draw, 1, pass);
     return gles_key_max_lights(&key, pass, gles->caps.fragment_vectors, gles->caps.units);
 }
 
-/* One pass, or most_lights in each of several. */
-static nacre_result plan_passes(const nacre_gles *gles, gles_draw *draw)
+nacre_result gles_plan_passes(const nacre_gles *gles, gles_draw *draw, int in_passes)
 {
     const unsigned lights = draw->view->light_count;
     draw->sum_lights = 0;
-    if (!lights || lights <= most_lights(gles, draw, GLES_PASS_NONE)) return NACRE_OK;
-    draw->sum_lights = (uint8_t)most_lights(gles, draw, GLES_PASS_SUM_HIGH);
+    if (draw->lit[0] || !lights) return NACRE_OK;
+    if (!in_passes && lights <= most_lights(gles, draw, GLES_PASS_NONE)) return NACRE_OK;
+    draw->sum_lights = (uint8_t)most_lights(gles, draw, GLES_PASS_SUM);
     return draw->sum_lights ? NACRE_OK : NACRE_ERR_UNSUPPORTED;
 }
 
 unsigned gles_pass_lights(const gles_draw *draw, unsigned first_light)
 {
     unsigned n = draw->sum_lights;
-    while (n > draw->view->light_count - first_light) n /= 2; /* 4, 2 or 1 */
+    while (n > draw->view->light_count - first_light) n /= 2; /* 8, 4, 2 or 1 */
     return n;
 }
 
@@ -123,16 +128,18 @@ static void describe_vertices(gles_draw *draw)
 
 static nacre_result begin(nacre_gles *gles, nacre_gles_item id, const nacre_view *view, gles_draw *draw)
 {
-    if (!gles || !view_is_valid(view)) return NACRE_ERR_ARGUMENT;
+    if (!gles || !gles_view_is_valid(view)) return NACRE_ERR_ARGUMENT;
     draw->item = gles_item_find(gles, id);
-    if (!draw->item) return NACRE_ERR_ARGUMENT;
+    if (!draw->item || draw->item->source == GLES_SOURCE_LIT) return NACRE_ERR_ARGUMENT;
     if (gles->lost || !gles->resident) return NACRE_ERR_LOST;
     draw->view = view;
     draw->id = id.id;
     draw->query = !gles->desc.host_resets_state;
     draw->form = -1;
+    draw->sphere = 0;
+    gles_lit_of(gles, draw->item, view, draw->lit);
     describe_vertices(draw);
-    return plan_passes(gles, draw);
+    return gles_plan_passes(gles, draw, 0);
 }
 
 /* ---- one pass ------------------------------------------------------------------------------- */
@@ -149,6 +156,10 @@ static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, co
     const gles_item *item = draw->item;
     const shade_frame *frame = &draw->frame;
     unsigned i;
+    if (key->model == GLES_KEY_LIT) {
+        for (i = 0; i < (key->mask > 1 ? 2u : 1u); i++) name[i] = draw->lit[i]->texture;
+        return i;
+    }
     if (!key->lights) return 0;
     if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE) {
         const unsigned layers = key->model == GLES_KEY_FINE ? 2 : 1;
@@ -167,28 +178,47 @@ static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, co
     return 2u * key->lights;
 }
 
-nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_key *key,
-                            unsigned first_light, gl_uint *name)
+static void bind_map(const nacre_gles *gles, const gles_draw *draw, gles_saved *saved, int unit, unsigned role)
+{
+    if (unit >= 0) gles_texture_bind(gles, saved, (unsigned)unit, layer_name(gles, draw->item, role, 0), draw->query);
+}
+
+/* The frame that holds this light, in this form. */
+static void set_up_frame(gles_draw *draw, const gles_key *key, unsigned first_light)
 {
     const int form = (int)gles_key_form(key);
+    const unsigned base = first_light - first_light % NACRE_MAX_LIGHTS;
+    nacre_view part = *draw->view;
+    if (key->model == GLES_KEY_LIT) {
+        shade_turn_to_z(draw->lit[0]->eye_q28, draw->frame.turn_q28);
+        draw->frame.position_shift = 0;
+        return;
+    }
+    if (form == draw->form && base == draw->first_light) return;
+    part.lights += base;
+    part.light_count = (uint16_t)(part.light_count - base);
+    shade_setup(&draw->frame, &part, draw->centre, &draw->item->material, (shade_form)form, key->persp,
+                key->layers ? key->layers : GLES_MAX_UNITS);
+    draw->form = form;
+    draw->first_light = base;
+}
+
+nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_key *key,
+                            unsigned first_light, gles_program **out)
+{
     gl_uint textures[GLES_MAX_UNITS];
     gles_program *program;
     unsigned count, i;
-    int unit;
     const nacre_result result = gles_program_use(gles, key, &program);
     if (result) return result;
-    if (form != draw->form) {
-        shade_setup(&draw->frame, draw->view, draw->centre, &draw->item->material, (shade_form)form, key->persp,
-                    key->layers ? key->layers : GLES_MAX_UNITS);
-        draw->form = form;
-    }
+    set_up_frame(draw, key, first_light);
+    first_light %= NACRE_MAX_LIGHTS;
     count = model_textures(gles, draw, key, first_light, textures);
     for (i = 0; i < count; i++) gles_texture_bind(gles, saved, i, textures[i], draw->query);
-    unit = gles_key_unit_normal(key);
-    if (unit >= 0)
-        gles_texture_bind(gles, saved, (unsigned)unit, layer_name(gles, draw->item, NACRE_ROLE_NORMAL, 0), draw->query);
+    bind_map(gles, draw, saved, gles_key_unit_normal(key), NACRE_ROLE_NORMAL);
+    bind_map(gles, draw, saved, gles_key_unit_mask(key), NACRE_ROLE_MASK);
     gles_uniforms_set(&gles->gl, &program->at, key, draw->view, &draw->vertices, &draw->frame, first_light);
-    *name = program->name;
+    *out = program;
     return NACRE_OK;
 }
 
@@ -197,8 +227,9 @@ nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved
 static unsigned attribute_mask(const gles_item *item)
 {
     const unsigned position_normal = 1u << NACRE_GLES_POSITION | 1u << NACRE_GLES_NORMAL;
-    return item->image[NACRE_ROLE_NORMAL] ? position_normal | 1u << NACRE_GLES_TANGENT | 1u << NACRE_GLES_UV
-                                          : position_normal;
+    const unsigned uv = 1u << NACRE_GLES_UV;
+    if (item->image[NACRE_ROLE_NORMAL]) return position_normal | 1u << NACRE_GLES_TANGENT | uv;
+    return item->image[NACRE_ROLE_MASK] ? position_normal | uv : position_normal;
 }
 
 /* nacre_vertex, as GL reads it. */
@@ -262,7 +293,7 @@ nacre_result nacre_gles_draw(nacre_gles *gles, nacre_gles_item id, const nacre_v
     gles_draw draw;
     gles_saved saved;
     gles_key key;
-    gl_uint program;
+    gles_program *program;
     nacre_result result = begin(gles, id, view, &draw);
     if (result) return result;
     if (draw.item->source != GLES_SOURCE_MESH && draw.item->source != GLES_SOURCE_BUFFERS) return NACRE_ERR_ARGUMENT;
@@ -289,21 +320,21 @@ nacre_result nacre_gles_bind(nacre_gles *gles, nacre_gles_item id, const nacre_v
 {
     gles_draw draw;
     gles_key key;
-    gl_uint name = 0;
+    gles_program *used;
     nacre_result result = begin(gles, id, view, &draw);
     if (result) return result;
     if (draw.sum_lights) return NACRE_ERR_UNSUPPORTED;
     nacre_gles_unbind(gles);
     gles_save(gles, &gles->saved, draw.query);
     gles_key_of(gles, &key, &draw, view->light_count, GLES_PASS_NONE);
-    result = gles_pass_bind(gles, &draw, &gles->saved, &key, 0, &name);
+    result = gles_pass_bind(gles, &draw, &gles->saved, &key, 0, &used);
     if (!draw.query) gles_note(gles, &gles->saved);
     gles->bound = 1;
     if (result) {
         nacre_gles_unbind(gles);
         return result;
     }
-    if (program) *program = name;
+    if (program) *program = used->name;
     return NACRE_OK;
 }
 
@@ -327,10 +358,8 @@ nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item id, const nacr
     if (result) return result;
     gles->gl.GetIntegerv(GLES_CURRENT_PROGRAM, &current);
     for (first = 0; draw.sum_lights && first < view->light_count && !result; first += gles_pass_lights(&draw, first)) {
-        gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM_HIGH);
+        gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM);
         result = gles_program_use(gles, &key, &program);
-        gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM_LOW);
-        if (!result) result = gles_program_use(gles, &key, &program);
     }
     gles_key_of(gles, &key, &draw, draw.sum_lights ? 0 : view->light_count,
                 draw.sum_lights ? GLES_PASS_LAST : GLES_PASS_NONE);

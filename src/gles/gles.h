@@ -54,8 +54,25 @@ typedef enum gles_source {
     GLES_SOURCE_MESH,     /* buffers of ours, made from a borrowed mesh */
     GLES_SOURCE_BUFFERS,  /* the caller's buffers */
     GLES_SOURCE_LOST,     /* the caller's buffers, to be described again after a context loss */
-    GLES_SOURCE_BOUND     /* none: bind only */
+    GLES_SOURCE_BOUND,    /* none: bind only */
+    GLES_SOURCE_LIT       /* a lit sphere */
 } gles_source;
+
+/* A sum of light passes in two RGBA8 textures: high bytes, low bytes. */
+typedef struct gles_sum {
+    gl_uint texture[2], framebuffer[2];
+    uint16_t width, height; /* 0: none */
+} gles_sum;
+
+typedef struct gles_lit {
+    uint64_t shown, begun; /* what the picture shows, what the update under way began with (lit.c), 0: nothing */
+    gl_uint texture, framebuffer;
+    gles_sum sum;                        /* of the update under way */
+    int32_t eye_q28[3], next_eye_q28[3]; /* towards the eye, view space: of the picture, of the update under way */
+    uint32_t pictures;
+    uint16_t size, view_tolerance, lights_done;
+    uint8_t rgb565, output, next_output, under_way, mixed /* since begun, something changed */, failed;
+} gles_lit;
 
 typedef struct gles_item {
     uint32_t generation; /* 24 bits, of the id that is or will be given out */
@@ -66,7 +83,9 @@ typedef struct gles_item {
     union {
         nacre_mesh mesh;
         nacre_gles_buffers buffers;
+        gles_lit lit;
     } is;
+    nacre_gles_lit use[2]; /* lit spheres to draw by, 0: none */
     shade_material material;
 } gles_item;
 
@@ -84,12 +103,11 @@ typedef struct gles_saved {
     uint8_t arrays;     /* the vertex array binding is saved and changed */
 } gles_saved;
 
-/* Sums of light passes: high and low bytes, the previous and the new one. */
+/* For light passes of draws: the previous and the new sum, and a depth buffer. */
 typedef struct gles_targets {
-    gl_uint texture[4]; /* 2 i: high bytes, 2 i + 1: low bytes of sum i */
-    gl_uint framebuffer[4];
-    gl_uint depth;
-    uint16_t width, height; /* 0: none */
+    gles_sum sum[2];
+    gl_uint depth; /* renderbuffer */
+    uint32_t depth_bytes;
 } gles_targets;
 
 struct nacre_gles {
@@ -100,6 +118,8 @@ struct nacre_gles {
     gles_item *items;
     gles_texture *textures;
     gles_targets targets;
+    gles_sum lit_sum[2];    /* for light passes of lit spheres */
+    gl_uint lit_triangle;   /* vertex buffer: one triangle over the whole picture */
     uint32_t clock;         /* programs' age */
     uint32_t texture_bytes; /* textures and targets */
     gl_uint vertex_array;   /* ours; 0 where the device has none */
@@ -174,9 +194,12 @@ typedef struct gles_draw { /* one draw on its way */
     const nacre_view *view;
     const gles_item *item;
     uint32_t id;
-    uint8_t sum_lights; /* 0: one pass; else passes of so many lights (1, 2 or 4) and a last one without */
-    int query;          /* 0 under host_resets_state */
-    int form;           /* shade_form of frame, -1: not set up */
+    const gles_lit *lit[2]; /* spheres to draw by, NULL: shade directly */
+    uint8_t sphere;         /* 1: the picture of a lit sphere */
+    uint8_t sum_lights;     /* 0: one pass; else passes of so many lights (1, 2, 4 or 8) and a last one without */
+    int query;              /* 0 under host_resets_state */
+    int form;               /* shade_form of frame, -1: not set up */
+    unsigned first_light;   /* of frame: it holds NACRE_MAX_LIGHTS from here */
     nacre_q16 centre[3];
     gles_vertex_map vertices;
     shade_frame frame;
@@ -187,13 +210,53 @@ void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, u
 unsigned gles_pass_lights(const gles_draw *draw, unsigned first_light);
 /* Program, the model's textures and uniforms of one pass. */
 nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_key *key,
-                            unsigned first_light, gl_uint *program);
+                            unsigned first_light, gles_program **program);
 void gles_bind_vertices(nacre_gles *gles, const gles_draw *draw, gles_saved *saved);
 /* glDraw* of the item. */
 void gles_issue(const nacre_gles *gles, const gles_item *item);
 
+int gles_view_is_valid(const nacre_view *view);
+/* One pass, or several, for this draw on this device; in_passes: several even where one would do. */
+nacre_result gles_plan_passes(const nacre_gles *gles, gles_draw *draw, int in_passes);
+
 /* passes.c */
 nacre_result gles_draw_passes(nacre_gles *gles, gles_draw *draw, gles_saved *saved);
 void gles_targets_delete(nacre_gles *gles);
+
+/* State that passes change and the last one, or the host, needs back. */
+typedef struct gles_host_state {
+    gl_int framebuffer, viewport[4], depth_func, depth_mask, color_mask[4];
+    gl_float clear_color[4], clear_depth;
+    gl_boolean enabled[6];
+    uint8_t switches; /* of enabled that are kept */
+} gles_host_state;
+/* picture: 0 before passes of a mesh, 1 before gles_picture_state. */
+void gles_host_save(const nacre_gles *gles, gles_host_state *s, int picture);
+void gles_host_put_back(const nacre_gles *gles, const gles_host_state *s);
+/* State for drawing a picture or its sums: nothing but the triangle. */
+void gles_picture_state(const nacre_gles *gles, gl_int size);
+
+/* Target for GL calls that bind what is drawn to. */
+gl_enum gles_draw_target(const nacre_gles *gles);
+/* An RGBA8 or RGB565 texture and its framebuffer, counted nowhere; depth: renderbuffer, 0: none. Bindings of texture and
+   framebuffer are changed. On failure names, if any, are left. */
+nacre_result gles_target_make(nacre_gles *gles, gl_uint *texture, gl_uint *framebuffer, gl_int width, gl_int height,
+                              int rgb565, gl_int filter, gl_uint depth);
+/* The same twice, counted in texture_bytes; nothing is left on failure. */
+nacre_result gles_sum_make(nacre_gles *gles, gles_sum *sum, gl_int width, gl_int height, gl_uint depth);
+void gles_sum_delete(nacre_gles *gles, gles_sum *sum);
+void gles_sum_clear(nacre_gles *gles, const gles_sum *sum);
+/* Draw both bytes of sum[1 - from] = sum[from] + lights of the pass that begins with this one. */
+nacre_result gles_sum_pass(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_sum sum[2],
+                           unsigned first_light, unsigned from);
+/* Bind sum as the previous one, and draw the last pass to the framebuffer that is bound. */
+nacre_result gles_last_pass(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_sum *sum);
+
+/* lit.c */
+/* The spheres that this item is drawn by in this view; 0: none. */
+int gles_lit_of(nacre_gles *gles, const gles_item *item, const nacre_view *view, const gles_lit *out[2]);
+void gles_lit_abandon(gles_lit *lit);
+/* GL objects and their bytes. */
+void gles_lit_delete(nacre_gles *gles, gles_lit *lit);
 
 #endif

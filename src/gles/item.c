@@ -220,14 +220,14 @@ static int attribute_is_valid(const nacre_gles_attribute *a, unsigned smallest)
            type_is_known(a->type);
 }
 
-static nacre_result check_buffers(const nacre_gles *gles, const nacre_gles_buffers *b, int normal_map)
+static nacre_result check_buffers(const nacre_gles *gles, const nacre_gles_buffers *b, int normal_map, int mask)
 {
-    static const uint8_t smallest[2][NACRE_GLES_ATTRIBUTE_COUNT] = {{2, 3, 0, 0}, {2, 3, 4, 2}};
+    const uint8_t smallest[NACRE_GLES_ATTRIBUTE_COUNT] = {2, 3, normal_map ? 4 : 0, normal_map || mask ? 2 : 0};
     unsigned i;
     if (!b->vertex_buffer || !b->count || b->count % 3 || b->count > INT32_MAX || b->first > INT32_MAX)
         return NACRE_ERR_ARGUMENT;
     for (i = 0; i < NACRE_GLES_ATTRIBUTE_COUNT; i++)
-        if (!attribute_is_valid(&b->attribute[i], smallest[normal_map][i])) return NACRE_ERR_ARGUMENT;
+        if (!attribute_is_valid(&b->attribute[i], smallest[i])) return NACRE_ERR_ARGUMENT;
     if (!b->index_buffer) return NACRE_OK;
     if (b->index_type == GLES_UNSIGNED_INT && !(b->index_offset & 3))
         return gles->caps.index_uint ? NACRE_OK : NACRE_ERR_UNSUPPORTED;
@@ -249,6 +249,7 @@ static nacre_result open_item(nacre_gles *gles, const nacre_material *material, 
     role = (unsigned)gles_model_role(material->model);
     item->image[role] = material->image[role];
     item->image[NACRE_ROLE_NORMAL] = material->image[NACRE_ROLE_NORMAL];
+    item->image[NACRE_ROLE_MASK] = material->image[NACRE_ROLE_MASK];
     *out = item;
     return NACRE_OK;
 }
@@ -297,7 +298,9 @@ nacre_result nacre_gles_add_buffers(nacre_gles *gles, const nacre_gles_buffers *
     gles_item *item;
     nacre_result result;
     if (!gles || !out || !material) return NACRE_ERR_ARGUMENT;
-    result = buffers ? check_buffers(gles, buffers, material->image[NACRE_ROLE_NORMAL] != NULL) : NACRE_OK;
+    result = buffers ? check_buffers(gles, buffers, material->image[NACRE_ROLE_NORMAL] != NULL,
+                                     material->image[NACRE_ROLE_MASK] != NULL)
+                     : NACRE_OK;
     if (!result) result = open_item(gles, material, &item);
     if (result) return result;
     if (buffers) item->is.buffers = *buffers;
@@ -308,8 +311,9 @@ nacre_result nacre_gles_set_buffers(nacre_gles *gles, nacre_gles_item id, const 
 {
     gles_item *item = gles ? gles_item_find(gles, id) : NULL;
     nacre_result result;
-    if (!item || !buffers || item->source == GLES_SOURCE_MESH) return NACRE_ERR_ARGUMENT;
-    result = check_buffers(gles, buffers, role_used(item, NACRE_ROLE_NORMAL));
+    if (!item || !buffers || item->source == GLES_SOURCE_MESH || item->source == GLES_SOURCE_LIT)
+        return NACRE_ERR_ARGUMENT;
+    result = check_buffers(gles, buffers, role_used(item, NACRE_ROLE_NORMAL), role_used(item, NACRE_ROLE_MASK));
     if (result) return result;
     item->is.buffers = *buffers;
     item->source = GLES_SOURCE_BUFFERS;
@@ -322,6 +326,7 @@ void nacre_gles_remove(nacre_gles *gles, nacre_gles_item id)
     if (!item) return;
     if (gles->described == id.id) gles->described = 0;
     if (gles->resident && !gles->lost) gles_mesh_delete(gles, item);
+    if (gles->resident && !gles->lost && item->source == GLES_SOURCE_LIT) gles_lit_delete(gles, &item->is.lit);
     release_textures(gles, item);
     item_free(item);
 }

@@ -12,15 +12,21 @@
 
 #include "shade.h"
 
-typedef enum gles_key_model { GLES_KEY_TABLE, GLES_KEY_FINE, GLES_KEY_SPHERES, GLES_KEY_PAPER } gles_key_model;
+typedef enum gles_key_model {
+    GLES_KEY_TABLE,
+    GLES_KEY_FINE,
+    GLES_KEY_SPHERES,
+    GLES_KEY_PAPER,
+    GLES_KEY_LIT /* draws by lit spheres: no lights of its own */
+} gles_key_model;
 
-/* Passes, for light counts that one program can't hold. SUM_HIGH and SUM_LOW are drawn one after the other into two
-   RGBA8 targets of the viewport's size, cleared to 0 before the first lights: they read both bytes of the previous sum,
-   add their 1, 2 or 4 lights and write the high or the low byte of the new sum. LAST has no lights: it reads the sum, adds ambient, encodes to the caller's
-   target. Sums are clamped to 1 (srgb, sqrt) or to 16 (linear output, held x 1/16; gles_uniforms_set scales). The
-   previous sum is read with texture2DProj at the pixel's own place: nearest filter, clamp to edge; the viewport is the
-   whole target. */
-typedef enum gles_key_pass { GLES_PASS_NONE, GLES_PASS_SUM_HIGH, GLES_PASS_SUM_LOW, GLES_PASS_LAST } gles_key_pass;
+/* Passes, for light counts that one program can't hold. SUM is drawn twice into two RGBA8 targets of the viewport's size,
+   for the high and for the low byte of the new sum (uniform u_byte): it reads both bytes of the previous sum, which is 0
+   before the first lights, and adds its 1, 2, 4 or 8 lights. One program for both, so that both round alike. LAST has no
+   lights: it reads the sum, adds ambient, encodes to the caller's target. Sums are kept in 16 bits and clamped to 1 (srgb,
+   sqrt) or to 16 (linear output, held x 1/16; gles_uniforms_set scales). The previous sum is read with texture2DProj at
+   the pixel's own place: nearest filter, clamp to edge; the viewport is the whole target. */
+typedef enum gles_key_pass { GLES_PASS_NONE, GLES_PASS_SUM, GLES_PASS_LAST } gles_key_pass;
 
 typedef struct gles_key {
     uint8_t model;      /* gles_key_model */
@@ -34,7 +40,8 @@ typedef struct gles_key {
     uint8_t ambient;    /* 1: the view's ambient is not 0 (in passes: LAST only) */
     uint8_t pass;       /* gles_key_pass */
     uint8_t layers;     /* spheres and paper, persp: 4, 6 or 8 units; others 0 */
-    uint8_t zero;
+    uint8_t sphere;     /* 1: the picture of a lit sphere, not a mesh (dist; no normal map) */
+    uint8_t mask;       /* lit: 1 alpha from the mask, 2 and a second sphere mixed by it; others 0 */
 } gles_key;
 
 #define GLES_KEY_NAME_SIZE 64
@@ -43,7 +50,8 @@ typedef struct gles_key {
 void gles_key_name(const gles_key *key, char *out);
 
 /* Zero or fix what makes no difference, so that equal texts have equal keys; call before comparing or naming. Lights 0:
-   ambient alone, whatever the model; SUM passes: the same for every output and without ambient. */
+   ambient alone, whatever the model; SUM passes: the same for every output and without ambient; lit: of all that is said
+   above only normal_map, es3 and mask. */
 void gles_key_canonical(gles_key *key);
 
 /* Smallest layer class (4, 6, 8) that holds layers, at most what so many texture units hold (4..8). */
@@ -55,15 +63,17 @@ unsigned gles_key_units(const gles_key *key);           /* texture units in use 
 
 /* Texture units, in this order: the model's own from 0: table: 0; fine: 0 and 1 (second layer); spheres dist: 2 i and
    2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i].
-   Then, where the key has them, the normal map and the two bytes of the previous sum. -1: none. */
+   lit: 0, and 1 for a second sphere. Then, where the key has them, the normal map, the mask, and the two bytes of the
+   previous sum. -1: none. */
 int gles_key_unit_normal(const gles_key *key);
+int gles_key_unit_mask(const gles_key *key);
 int gles_key_unit_sum(const gles_key *key); /* high; the low one follows */
 
 /* How light factors are prepared for this program (argument of shade_setup). */
 shade_form gles_key_form(const gles_key *key);
 
 /* Most lights (1..8, or 0 if not even one) that a program like key can take on a device with so many fragment uniform
-   vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4); the key's own lights and pass are ignored.
+   vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4, of a sphere also 8); the key's own lights and pass are ignored.
    Under persp GLSL ES 1.00 programs stop at 4 lights (tables), 2 (spheres) or 1 (paper): more would be refused by compilers
    of ES 2.0 GPUs. */
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);

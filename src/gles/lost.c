@@ -84,8 +84,11 @@ void nacre_gles_abandon(nacre_gles *gles)
         gles_item *item = &gles->items[i];
         item->vertex_buffer = item->index_buffer = 0;
         if (item->source == GLES_SOURCE_BUFFERS) item->source = GLES_SOURCE_LOST;
+        if (item->source == GLES_SOURCE_LIT) gles_lit_abandon(&item->is.lit);
     }
     memset(&gles->targets, 0, sizeof gles->targets);
+    memset(gles->lit_sum, 0, sizeof gles->lit_sum);
+    gles->lit_triangle = 0;
     gles->texture_bytes = 0;
     gles->vertex_array = 0;
     gles->described = 0;
@@ -173,8 +176,13 @@ void gles_delete_all(nacre_gles *gles)
     for (i = 0; i < gles->desc.max_programs; i++) gles_program_delete(gles, &gles->programs[i]);
     for (i = 0; i < gles->desc.max_textures; i++)
         if (gles->textures[i].name) gles->gl.DeleteTextures(1, &gles->textures[i].name);
-    for (i = 0; i < gles->desc.max_items; i++) gles_mesh_delete(gles, &gles->items[i]);
+    for (i = 0; i < gles->desc.max_items; i++) {
+        gles_mesh_delete(gles, &gles->items[i]);
+        if (gles->items[i].source == GLES_SOURCE_LIT) gles_lit_delete(gles, &gles->items[i].is.lit);
+    }
     gles_targets_delete(gles);
+    for (i = 0; i < 2; i++) gles_sum_delete(gles, &gles->lit_sum[i]);
+    if (gles->lit_triangle) gles->gl.DeleteBuffers(1, &gles->lit_triangle);
     if (gles->vertex_array) gles->gl.DeleteVertexArrays(1, &gles->vertex_array);
 }
 

@@ -70,6 +70,15 @@ static nacre_result check_normal_map(const nacre_image *image)
     return image->format == NACRE_FORMAT_RGB8 || image->format == NACRE_FORMAT_RGBA8 ? NACRE_OK : NACRE_ERR_ASSET;
 }
 
+static nacre_result check_mask(const nacre_image *image)
+{
+    if (image->faces != 1 || image->layers < 1 || !says(image, NACRE_KEY_ROLE, "mask")) return NACRE_ERR_ASSET;
+    return image->format == NACRE_FORMAT_R8 || image->format == NACRE_FORMAT_RG8 ||
+                   image->format == NACRE_FORMAT_RGB8 || image->format == NACRE_FORMAT_RGBA8
+               ? NACRE_OK
+               : NACRE_ERR_ASSET;
+}
+
 int gles_model_role(nacre_model model)
 {
     if (model == NACRE_MODEL_TABLE) return NACRE_ROLE_TABLE;
@@ -87,5 +96,6 @@ nacre_result gles_material_read(shade_material *out, const nacre_material *mater
     if (image->faces != 1 || !asset_key_q16(image, NACRE_KEY_ALBEDO, out->albedo, 3)) return NACRE_ERR_ASSET;
     result = role == NACRE_ROLE_TABLE ? read_table(out, image) : read_spheres(out, image);
     if (!result && material->image[NACRE_ROLE_NORMAL]) result = check_normal_map(material->image[NACRE_ROLE_NORMAL]);
+    if (!result && material->image[NACRE_ROLE_MASK]) result = check_mask(material->image[NACRE_ROLE_MASK]);
     return result;
 }

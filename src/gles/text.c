@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "key.h"
 
+#include <string.h>
+
 /* shaders_gles/ as byte arrays, made by tools/gen/embed. */
 extern const unsigned char embedded_common_glsl[], embedded_table_glsl[], embedded_spheres_glsl[];
-extern const unsigned char embedded_frame_vert[], embedded_frame_frag[];
+extern const unsigned char embedded_frame_vert[], embedded_frame_frag[], embedded_lit_frag[];
 extern const unsigned long embedded_common_glsl_size, embedded_table_glsl_size, embedded_spheres_glsl_size;
-extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size;
+extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size, embedded_lit_frag_size;
 
 /* ES 2.0 minimum. */
 #define UNITS SHADE_MAX_UNITS
@@ -13,6 +15,11 @@ extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size;
 static int is_table(const gles_key *key)
 {
     return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+}
+
+static int is_lit(const gles_key *key)
+{
+    return key->model == GLES_KEY_LIT;
 }
 
 /* ---- small texts --------------------------------------------------------------------------------- */
@@ -33,11 +40,17 @@ static char *put_digit(char *out, unsigned digit)
 
 void gles_key_name(const gles_key *key, char *out)
 {
-    static const char *const model[] = {"table", "fine", "spheres", "paper"};
+    static const char *const model[] = {"table", "fine", "spheres", "paper", "lit"};
     static const char *const output[] = {"_srgb", "_sqrt", "_lin"};
+    static const char *const mask[] = {"", "_mask", "_mix"};
 
     if (key->es3) out = put(out, "es3_");
+    if (key->sphere) out = put(out, "sphere_");
     out = put(out, model[key->model]);
+    if (is_lit(key)) {
+        put(put(out, mask[key->mask]), key->normal_map ? "_nm" : "");
+        return;
+    }
     if (key->model == GLES_KEY_TABLE && key->phid) out = put(out, "_phid");
     out = put_digit(put(out, "_l"), key->lights);
     out = put(out, key->persp ? "_persp" : "_dist");
@@ -70,7 +83,7 @@ shade_form gles_key_form(const gles_key *key)
 
 unsigned gles_key_uniform_vectors(const gles_key *key)
 {
-    const unsigned lights = key->lights, common = key->ambient ? 1 : 0;
+    const unsigned lights = key->lights, common = (key->ambient ? 1 : 0) + (key->pass == GLES_PASS_SUM ? 1 : 0);
 
     if (!lights) return common;
     if (is_table(key)) {
@@ -83,6 +96,7 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
 
 static unsigned model_units(const gles_key *key)
 {
+    if (is_lit(key)) return key->mask > 1 ? 2 : 1;
     if (!key->lights) return 0;
     if (is_table(key)) return key->model == GLES_KEY_FINE ? 2 : 1;
     return key->persp ? key->layers : 2u * key->lights;
@@ -90,12 +104,12 @@ static unsigned model_units(const gles_key *key)
 
 static int uses_normal_map(const gles_key *key)
 {
-    return key->normal_map && key->lights;
+    return key->normal_map && (key->lights || is_lit(key));
 }
 
 unsigned gles_key_units(const gles_key *key)
 {
-    return model_units(key) + (uses_normal_map(key) ? 1 : 0) + (key->pass ? 2 : 0);
+    return model_units(key) + (uses_normal_map(key) ? 1 : 0) + (key->mask ? 1 : 0) + (key->pass ? 2 : 0);
 }
 
 int gles_key_unit_normal(const gles_key *key)
@@ -103,30 +117,44 @@ int gles_key_unit_normal(const gles_key *key)
     return uses_normal_map(key) ? (int)model_units(key) : -1;
 }
 
+int gles_key_unit_mask(const gles_key *key)
+{
+    return key->mask ? (int)gles_key_units(key) - 1 : -1; /* with a mask there are no passes */
+}
+
 int gles_key_unit_sum(const gles_key *key)
 {
     return key->pass ? (int)gles_key_units(key) - 2 : -1;
 }
 
-/* Passes hold 1, 2 or 4 lights (lights without power fill up), so that there are fewer texts. */
-static int fits_pass(unsigned lights)
+/* Passes hold 1, 2 or 4 lights, so that there are fewer texts; those of a sphere also 8. */
+static int fits_pass(const gles_key *key)
 {
-    return lights == 1 || lights == 2 || lights == 4;
+    return key->lights == 1 || key->lights == 2 || key->lights == 4 || (key->lights == 8 && key->sphere);
 }
 
 void gles_key_canonical(gles_key *key)
 {
-    const int sum = key->pass == GLES_PASS_SUM_HIGH || key->pass == GLES_PASS_SUM_LOW;
+    const gles_key given = *key;
     int light;
 
-    if (sum) key->output = key->ambient = 0;
+    if (is_lit(key)) {
+        memset(key, 0, sizeof *key);
+        key->model = GLES_KEY_LIT;
+        key->es3 = given.es3;
+        key->normal_map = given.normal_map;
+        key->mask = given.mask;
+        return;
+    }
+    if (key->sphere) key->persp = key->normal_map = 0;
+    if (key->pass == GLES_PASS_SUM) key->output = key->ambient = 0;
     if (key->pass == GLES_PASS_LAST) key->lights = 0;
     light = key->lights != 0;
     if (!light) key->model = GLES_KEY_TABLE, key->persp = key->normal_map = 0;
     key->phid = (uint8_t)(light && (key->model == GLES_KEY_FINE || (key->model == GLES_KEY_TABLE && key->phid)));
     key->power48 = (uint8_t)(light && is_table(key) && key->power48);
     if (is_table(key) || !key->persp) key->layers = 0;
-    key->zero = 0;
+    key->mask = 0;
 }
 
 /* Longer programs are refused by compilers of ES 2.0 GPUs, which stop at 256 instructions and few registers. */
@@ -142,8 +170,7 @@ unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned unifor
 
     k.pass = (uint8_t)pass;
     for (k.lights = (uint8_t)most_lights(key); k.lights; k.lights--)
-        if ((!pass || fits_pass(k.lights)) && gles_key_uniform_vectors(&k) <= uniform_vectors &&
-            gles_key_units(&k) <= units)
+        if ((!pass || fits_pass(&k)) && gles_key_uniform_vectors(&k) <= uniform_vectors && gles_key_units(&k) <= units)
             break;
     return k.lights;
 }
@@ -165,7 +192,11 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "PERSP", key->persp);
     out = define(out, "NORMAL_MAP", (unsigned)uses_normal_map(key));
     out = define(out, "PASS", key->pass);
+    out = define(out, "SPHERE", key->sphere);
+    out = define(out, "LIT", (unsigned)is_lit(key));
+    out = define(out, "MASK", key->mask != 0);
     if (!fragment) return out;
+    out = define(out, "MIX", key->mask > 1);
     out = define(out, "FINE", key->model == GLES_KEY_FINE);
     out = define(out, "PHID", key->phid);
     out = define(out, "PAPER", key->model == GLES_KEY_PAPER);
@@ -178,8 +209,7 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "OUTPUT", key->output);
     out = define(out, "OUTPUT_SRGB", NACRE_OUTPUT_SRGB);
     out = define(out, "OUTPUT_LINEAR", NACRE_OUTPUT_LINEAR);
-    out = define(out, "PASS_SUM_HIGH", GLES_PASS_SUM_HIGH);
-    out = define(out, "PASS_SUM_LOW", GLES_PASS_SUM_LOW);
+    out = define(out, "PASS_SUM", GLES_PASS_SUM);
     return define(out, "PASS_LAST", GLES_PASS_LAST);
 }
 
@@ -194,6 +224,10 @@ int gles_text(const gles_key *key, int fragment, const char *part[GLES_TEXT_PART
     PART(common_glsl);
     if (!fragment) {
         PART(frame_vert);
+        return n;
+    }
+    if (is_lit(key)) {
+        PART(lit_frag);
         return n;
     }
     if (is_table(key))
@@ -223,15 +257,21 @@ static void add(key_list *list, const gles_key *key)
 static void add_passes(key_list *list, gles_key key)
 {
     for (key.ambient = 0; key.ambient < 2; key.ambient++) add(list, &key);
-    if (!fits_pass(key.lights)) return;
+    if (!fits_pass(&key)) return;
     key.ambient = 0;
-    for (key.pass = GLES_PASS_SUM_HIGH; key.pass < GLES_PASS_LAST && !key.output; key.pass++) add(list, &key);
+    key.pass = GLES_PASS_SUM;
+    if (!key.output) add(list, &key);
 }
 
 static void add_lights(key_list *list, gles_key key)
 {
-    for (key.lights = 1; key.lights <= most_lights(&key); key.lights++)
+    for (key.lights = 1; key.lights <= most_lights(&key); key.lights++) {
         for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add_passes(list, key);
+        key.normal_map = 0;
+        key.sphere = (uint8_t)!key.persp;
+        if (key.sphere) add_passes(list, key);
+        key.sphere = 0;
+    }
 }
 
 static void add_cameras(key_list *list, gles_key key)
@@ -249,6 +289,25 @@ static void add_cameras(key_list *list, gles_key key)
     }
 }
 
+/* Ambient alone, and what follows the last lights: of meshes and of spheres. */
+static void add_without_lights(key_list *list, gles_key key)
+{
+    for (key.sphere = 0; key.sphere < 2; key.sphere++) {
+        key.pass = GLES_PASS_NONE;
+        key.ambient = 1;
+        add(list, &key);
+        key.pass = GLES_PASS_LAST;
+        for (key.ambient = 0; key.ambient < 2; key.ambient++) add(list, &key);
+    }
+}
+
+static void add_lit(key_list *list, gles_key key)
+{
+    key.model = GLES_KEY_LIT;
+    for (key.mask = 0; key.mask < 3; key.mask++)
+        for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add(list, &key);
+}
+
 unsigned gles_key_list(gles_key *out, unsigned count)
 {
     static const struct {
@@ -262,14 +321,11 @@ unsigned gles_key_list(gles_key *out, unsigned count)
 
     list.out = out;
     list.room = count;
-    for (key = zero; key.es3 < 2; key.es3++)
-        for (key.output = 0; key.output <= NACRE_OUTPUT_LINEAR; key.output++) {
-            gles_key ambient = key;
-
-            ambient.ambient = 1;
-            add(&list, &ambient);
-            ambient.pass = GLES_PASS_LAST;
-            for (ambient.ambient = 0; ambient.ambient < 2; ambient.ambient++) add(&list, &ambient);
+    for (key = zero; key.es3 < 2; key.es3++) {
+        key.output = 0;
+        add_lit(&list, key);
+        for (; key.output <= NACRE_OUTPUT_LINEAR; key.output++) {
+            add_without_lights(&list, key);
             for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
                 key.model = kinds[i].model;
                 key.phid = kinds[i].phid;
@@ -277,5 +333,6 @@ unsigned gles_key_list(gles_key *out, unsigned count)
             }
             key.model = key.phid = 0;
         }
+    }
     return list.count;
 }

@@ -83,6 +83,7 @@ void gles_uniforms_locate(const gles_procs *gl, gl_uint program, const gles_key 
         set_sampler(gl, program, map, i);
     }
     set_sampler(gl, program, "u_normal_map", gles_key_unit_normal(key));
+    set_sampler(gl, program, "u_mask", gles_key_unit_mask(key));
     set_sampler(gl, program, "u_sum_high", sum);
     set_sampler(gl, program, "u_sum_low", sum < 0 ? sum : sum + 1);
 }
@@ -360,6 +361,7 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
 
     set_matrices(gl, at, view, vertices, own ? light_of(frame, first_light)->is.table.own_turn_q28 : frame->turn_q28,
                  frame->position_shift);
+    if (key->model == GLES_KEY_LIT) return;
     for (i = 0; i < 3; i++) ambient.v[0][i] = from_real(frame->ambient[i]) * scale;
     set(gl, at->ambient, &ambient, 1);
     if (!key->lights) return;
@@ -376,4 +378,12 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     else
         set_spheres_dist(gl, at, key, frame, first_light, &factor);
     set(gl, at->factor, &factor, key->lights);
+}
+
+void gles_uniforms_set_byte(const gles_procs *gl, const gles_uniforms *at, unsigned byte)
+{
+    vectors value = {{{0}}};
+
+    value.v[0][byte] = 1.0f;
+    set(gl, at->byte, &value, 1);
 }

@@ -30,7 +30,8 @@
     U(factor)                                                                                                          \
     U(model)                                                                                                           \
     U(eye)                                                                                                             \
-    U(ambient)
+    U(ambient)                                                                                                         \
+    U(byte)
 
 typedef struct gles_uniforms { /* locations; -1: the program has no such uniform */
 #define GLES_U(name) gl_int name;
@@ -53,8 +54,11 @@ void gles_uniforms_locate(const gles_procs *gl, gl_uint program, const gles_key 
 const char *gles_attribute_name(unsigned location);
 
 /* Set every uniform of the current program. frame: from shade_setup with all the view's lights; this program draws
-   lights first_light .. first_light + key->lights - 1. */
+   lights first_light .. first_light + key->lights - 1. Of a lit sphere's frame only turn and position_shift are read. */
 void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const nacre_view *view,
                        const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light);
+
+/* SUM passes: which byte (0 high, 1 low) of the new sum is written. */
+void gles_uniforms_set_byte(const gles_procs *gl, const gles_uniforms *at, unsigned byte);
 
 #endif

@@ -80,7 +80,8 @@ static nacre_result make_plan(const gles_caps *caps, const nacre_image *image, u
 
     plan->mag_filter = GLES_LINEAR;
     plan->min_filter = plan->end - plan->first > 1 ? GLES_LINEAR_MIPMAP_LINEAR : GLES_LINEAR;
-    plan->wrap = role == NACRE_ROLE_NORMAL && (pot || caps->npot) ? GLES_REPEAT : GLES_CLAMP_TO_EDGE;
+    plan->wrap = (role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK) && (pot || caps->npot) ? GLES_REPEAT
+                                                                                               : GLES_CLAMP_TO_EDGE;
     return NACRE_OK;
 }
 

@@ -21,7 +21,7 @@ int shade_needs_persp(const nacre_view *view)
 {
     int i;
 
-    for (i = 0; i < view->light_count && i < NACRE_MAX_LIGHTS; i++)
+    for (i = 0; i < view->light_count; i++)
         if (view->lights[i].type == NACRE_LIGHT_POINT) return 1;
     return view->light_count && is_perspective(view) && !view->distant_viewer;
 }
@@ -53,8 +53,7 @@ static fx_real length(const int64_t v[3])
     return fx_real_make(fx_isqrt(sum), shift - 16);
 }
 
-/* The least rotation that takes the unit vector v to +z. */
-static void rotation_to_z(const int32_t v[3], int32_t row[3][3])
+void shade_turn_to_z(const int32_t v[3], int32_t row[][3])
 {
     const int64_t a = v[0], b = v[1], c = v[2], d = FX_Q28_ONE + c;
     int i;
@@ -330,11 +329,24 @@ static void set_camera(shade_frame *out, const nacre_view *view, const int64_t c
         out->eye[2] = fx_real_make(1, 0);
         return;
     }
-    if (!out->persp) rotation_to_z(direction, out->turn_q28);
+    if (!out->persp) shade_turn_to_z(direction, out->turn_q28);
     if (view->distant_viewer)
         for (i = 0; i < 3; i++) out->eye[i] = fx_real_make(direction[i], -28);
     else
         out->eye[3] = fx_real_make(1, 0);
+}
+
+void shade_eye(const nacre_view *view, const nacre_q16 centre[3], int32_t out_q28[3])
+{
+    int64_t to_eye[3];
+    int i;
+
+    out_q28[0] = out_q28[1] = 0;
+    out_q28[2] = FX_Q28_ONE;
+    if (!is_perspective(view)) return;
+    to_view(&view->object_to_view, centre, to_eye);
+    for (i = 0; i < 3; i++) to_eye[i] = -to_eye[i];
+    fx_normalize_q28(to_eye, out_q28);
 }
 
 void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centre[3], const shade_material *material,
@@ -344,7 +356,7 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     int i;
 
     to_view(&view->object_to_view, centre, centre_view);
-    out->light_count = view->light_count < NACRE_MAX_LIGHTS ? view->light_count : NACRE_MAX_LIGHTS;
+    out->light_count = (uint8_t)(view->light_count < NACRE_MAX_LIGHTS ? view->light_count : NACRE_MAX_LIGHTS);
     out->persp = persp != 0;
     set_camera(out, view, centre_view);
     set_ambient(out, view, material);

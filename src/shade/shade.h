@@ -138,6 +138,12 @@ int shade_needs_persp(const nacre_view *view);
 void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centre[3], const shade_material *material,
                  shade_form form, int persp, int units);
 
+/* Unit direction towards the eye of a distant viewer, view space: +z under an orthographic camera, else from centre
+   (object space) to the eye. */
+void shade_eye(const nacre_view *view, const nacre_q16 centre[3], int32_t out_q28[3]);
+/* Three rows of the least rotation that takes the unit vector v to +z: `turn` of a frame with this direction to the eye. */
+void shade_turn_to_z(const int32_t v_q28[3], int32_t row_q28[][3]);
+
 /* ---- between the files of this room ----------------------------------------------------------- */
 
 /* What a model's file needs to know of one light. */

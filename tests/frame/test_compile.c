@@ -86,11 +86,28 @@ static unsigned compile(const gles_key *key, int fragment)
 /* The vertex stages are few: kept from text to text. */
 static unsigned vertex_stage(const gles_key *key)
 {
-    static unsigned kept[2][2][2][2];
-    unsigned *shader = &kept[key->es3][key->persp][key->normal_map][key->pass != 0];
+    static struct {
+        uint8_t es3, persp, normal_map, pass, sphere, lit, mask;
+        unsigned shader;
+    } kept[64];
+    const int pass = key->pass != 0, lit = key->model == GLES_KEY_LIT, mask = key->mask != 0;
+    int i = 0;
 
-    if (!*shader) *shader = compile(key, 0);
-    return *shader;
+    while (kept[i].shader &&
+           (kept[i].es3 != key->es3 || kept[i].persp != key->persp || kept[i].normal_map != key->normal_map ||
+            kept[i].pass != pass || kept[i].sphere != key->sphere || kept[i].lit != lit || kept[i].mask != mask))
+        i++;
+    if (!kept[i].shader) {
+        kept[i].es3 = key->es3;
+        kept[i].persp = key->persp;
+        kept[i].normal_map = key->normal_map;
+        kept[i].pass = (uint8_t)pass;
+        kept[i].sphere = key->sphere;
+        kept[i].lit = (uint8_t)lit;
+        kept[i].mask = (uint8_t)mask;
+        kept[i].shader = compile(key, 0);
+    }
+    return kept[i].shader;
 }
 
 static int is_vertex_uniform(const char *name)

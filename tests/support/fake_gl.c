@@ -60,7 +60,7 @@ static struct fake {
     gl_uint array_name[VAOS];
     gl_int alignment, row_length, skip_rows, skip_pixels, viewport[4], depth_func, depth_mask, color_mask[4];
     gl_float clear_color[4], clear_depth;
-    uint8_t enabled[8];
+    uint8_t enabled[9];
 } f;
 
 static const uint16_t caps[] = {GLES_CULL_FACE,
@@ -70,7 +70,13 @@ static const uint16_t caps[] = {GLES_CULL_FACE,
                                 GLES_BLEND,
                                 GLES_SCISSOR_TEST,
                                 GLES_SAMPLE_ALPHA_TO_COVERAGE,
-                                GLES_SAMPLE_COVERAGE};
+                                GLES_SAMPLE_COVERAGE,
+                                GLES_RASTERIZER_DISCARD /* ES 3 */};
+
+static size_t cap_count(void)
+{
+    return sizeof caps / sizeof *caps - (f.o.es != 3);
+}
 
 static int is_real(void)
 {
@@ -381,7 +387,7 @@ static void on_GetFloatv(gl_enum name, gl_float *out)
 
 static uint8_t *enable_of(gl_enum cap)
 {
-    for (size_t i = 0; i < sizeof caps / sizeof *caps; i++)
+    for (size_t i = 0; i < cap_count(); i++)
         if (caps[i] == cap) return &f.enabled[i];
     set_error(INVALID_ENUM);
     return NULL;
@@ -1190,7 +1196,7 @@ int fake_gl_snapshot(long *out)
     for (int k = 0; k < 4; k++) note(&s, (long)(c[k] * 1000), "clear color", 0, k);
     gl->GetFloatv(GLES_DEPTH_CLEAR_VALUE, c);
     note(&s, (long)(c[0] * 1000), "clear depth", 0, 0);
-    for (size_t i = 0; i < sizeof caps / sizeof *caps; i++) note(&s, gl->IsEnabled(caps[i]), "enabled", caps[i], 0);
+    for (size_t i = 0; i < cap_count(); i++) note(&s, gl->IsEnabled(caps[i]), "enabled", caps[i], 0);
     gl->GetIntegerv(GLES_ACTIVE_TEXTURE, &active);
     for (int u = 0; u < 8; u++) {
         gl->ActiveTexture(GLES_TEXTURE0 + (gl_enum)u);

@@ -437,7 +437,7 @@ static void draw_refuses_bad_views(void **state)
         assert_int_equal(nacre_gles_prepare(w.gles, item, &view), NACRE_ERR_ARGUMENT);                                 \
         assert_int_equal(nacre_gles_bind(w.gles, item, &view, NULL), NACRE_ERR_ARGUMENT);                              \
     } while (0)
-    REFUSED((view.lights = lights, view.light_count = 9));
+    REFUSED((view.lights = lights, view.light_count = NACRE_MAX_LIT_LIGHTS + 1));
     REFUSED(view.lights = NULL);
     REFUSED(view.output = 3);
     REFUSED(view.distant_viewer = 2);

@@ -71,7 +71,7 @@ static void names_follow_the_pattern(void **unused)
         {{.model = GLES_KEY_SPHERES, .lights = 8, .persp = 1, .layers = 4, .ambient = 1}, "spheres_l8_persp_srgb_amb"},
         {{.model = GLES_KEY_PAPER, .lights = 1, .persp = 1, .layers = 6}, "paper_l1_persp_srgb_s6"},
         {{.model = GLES_KEY_TABLE, .ambient = 1}, "table_l0_dist_srgb_amb"},
-        {{.model = GLES_KEY_TABLE, .pass = GLES_PASS_LAST}, "table_l0_dist_srgb_pass3"},
+        {{.model = GLES_KEY_TABLE, .pass = GLES_PASS_LAST}, "table_l0_dist_srgb_pass2"},
     };
 
     (void)unused;
@@ -144,9 +144,10 @@ static void units_follow_each_other(void **unused)
     (void)unused;
     for (unsigned i = 0; i < count; i++) {
         const gles_key *k = &keys[i];
-        unsigned next = gles_key_units(k) - (k->pass ? 2 : 0) - (k->normal_map ? 1 : 0);
+        unsigned next = gles_key_units(k) - (k->pass ? 2 : 0) - (k->normal_map ? 1 : 0) - (k->mask ? 1 : 0);
 
         assert_int_equal(gles_key_unit_normal(k), k->normal_map ? (int)next++ : -1);
+        assert_int_equal(gles_key_unit_mask(k), k->mask ? (int)next++ : -1);
         assert_int_equal(gles_key_unit_sum(k), k->pass ? (int)next : -1);
     }
 }
@@ -160,14 +161,14 @@ static void light_counts_follow_the_device(void **unused)
     key.phid = key.power48 = 1;
     assert_int_equal(gles_key_max_lights(&key, GLES_PASS_NONE, 16, 8), 5);
     assert_int_equal(gles_key_max_lights(&key, GLES_PASS_NONE, 64, 8), 8);
-    assert_int_equal(gles_key_max_lights(&key, GLES_PASS_SUM_HIGH, 16, 8), 4);
+    assert_int_equal(gles_key_max_lights(&key, GLES_PASS_SUM, 16, 8), 4);
     key.model = GLES_KEY_SPHERES;
     assert_int_equal(gles_key_max_lights(&key, GLES_PASS_NONE, 16, 8), 2);
     assert_int_equal(gles_key_max_lights(&key, GLES_PASS_NONE, 64, 8), 4);
     assert_int_equal(gles_key_max_lights(&key, GLES_PASS_NONE, 64, 16), 8);
-    assert_int_equal(gles_key_max_lights(&key, GLES_PASS_SUM_LOW, 64, 8), 2);
+    assert_int_equal(gles_key_max_lights(&key, GLES_PASS_SUM, 64, 8), 2);
     key.normal_map = 1;
-    assert_int_equal(gles_key_max_lights(&key, GLES_PASS_SUM_LOW, 64, 8), 2);
+    assert_int_equal(gles_key_max_lights(&key, GLES_PASS_SUM, 64, 8), 2);
     key.persp = 1;
     key.layers = 8;
     assert_int_equal(gles_key_max_lights(&key, GLES_PASS_NONE, 64, 8), 0); /* 8 layers and a normal map: too many */
