@@ -18,9 +18,8 @@ typedef struct compare_command {
     const char *operand[1 + MOST_ASSETS]; /* the BRDF, then assets */
     int operands;
     const char *backend_name, *sheet, *plot, *page, *json;
-    option_texts fail_below;
     int baselines, threads;
-    double fov_deg, limit_db;
+    double fov_deg, limit_db; /* 0: none, as no PSNR is below it */
     progress meter;
     compare_backend backend;
     compare_device *device;
@@ -29,19 +28,6 @@ typedef struct compare_command {
 } compare_command;
 
 /* ---- the command line ---------------------------------------------------------------------------------------------- */
-
-static int parse_limit(compare_command *c, failure *f)
-{
-    int count;
-    if (!c->fail_below.count) return FAIL_NONE;
-    if (c->fail_below.count > 1)
-        return fail(f, FAIL_USAGE, "--fail-below: given %d times, expected once", c->fail_below.count);
-    const char *text = c->fail_below.item[0];
-    int code = parse_reals(text, "--fail-below", &c->limit_db, 1, 1, &count, f);
-    if (!code && !(c->limit_db >= 0 && c->limit_db <= 99))
-        code = fail(f, FAIL_USAGE, "--fail-below %s: expected decibels, 0..99", text);
-    return code;
-}
 
 /* No output may replace what is compared, nor another output. */
 static int check_outputs(const compare_command *c, failure *f)
@@ -75,7 +61,7 @@ static int parse(compare_command *c, int argc, char **argv, failure *f)
         {"--plot", OPTION_TEXT, &c->plot, 0, 0, "FILE.svg", "PSNR against the light's angle"},
         {"--html", OPTION_TEXT, &c->page, 0, 0, "FILE.html", "a page with figures, plot and sheet in one file"},
         {"--json", OPTION_TEXT, &c->json, 0, 0, "FILE", "all figures as JSON (- for standard output)"},
-        {"--fail-below", OPTION_TEXTS, &c->fail_below, 0, 0, "DB",
+        {"--fail-below", OPTION_REAL, &c->limit_db, 0, 99, "DB",
          "exit with 5 if an asset's PSNR is below so many decibels"},
         {"--threads", OPTION_INT, &c->threads, 1, 256, "N", "(all cores) the figures do not depend on it"},
         {"--quiet", OPTION_FLAG, &c->meter.quiet, 0, 0, NULL, "print nothing but errors"},
@@ -83,7 +69,6 @@ static int parse(compare_command *c, int argc, char **argv, failure *f)
     int code = options_parse(argc, argv, "nacre compare BRDF ASSET... [options]", table, sizeof table / sizeof *table,
                              c->operand, &c->operands, 2, 1 + MOST_ASSETS, f);
     if (!code) code = compare_backend_find(&c->backend, c->backend_name, f);
-    if (!code) code = parse_limit(c, f);
     return code ? code : check_outputs(c, f);
 }
 
@@ -213,7 +198,7 @@ static int gate(const compare_command *c, failure *f)
 {
     const compare_entry *worst = NULL;
     int below = 0, assets = c->operands - 1;
-    for (int i = 0; i < assets && c->fail_below.count; i++) {
+    for (int i = 0; i < assets; i++) {
         const compare_entry *e = &c->report.entry[i];
         if (e->result.full.pooled_psnr_db >= c->limit_db) continue;
         below++;

@@ -8,70 +8,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
+
+#include "shell.h"
 
 #include <cmocka.h>
-
-static char directory[] = "/tmp/nacre-tool-XXXXXX";
-static const char *tool;
-
-typedef struct outcome {
-    int code;
-    int lines;       /* of standard error */
-    char text[2000]; /* standard error */
-} outcome;
-
-/* Run `$tool ARGUMENTS` by the shell, in the temporary directory; {tool} in a command stands for the program. */
-static outcome run(const char *format, ...)
-{
-    char arguments[1500], command[4096];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(arguments, sizeof arguments, format, args);
-    va_end(args);
-    snprintf(command, sizeof command, "cd %s && nacre() { '%s' \"$@\"; } && { %s; } 2>&1 >/dev/null", directory, tool,
-             arguments);
-    outcome o = {0};
-    FILE *pipe = popen(command, "r");
-    assert_non_null(pipe);
-    size_t got = fread(o.text, 1, sizeof o.text - 1, pipe);
-    o.text[got] = 0;
-    for (const char *c = o.text; *c; c++) o.lines += *c == '\n';
-    int status = pclose(pipe);
-    o.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128;
-    return o;
-}
-
-static int exists(const char *name)
-{
-    char path[256];
-    struct stat status;
-    snprintf(path, sizeof path, "%s/%s", directory, name);
-    return stat(path, &status) == 0;
-}
-
-static int files_in_directory(void)
-{
-    char command[256];
-    int count = -1;
-    snprintf(command, sizeof command, "ls -A %s | wc -l", directory);
-    FILE *pipe = popen(command, "r");
-    assert_int_equal(fscanf(pipe, "%d", &count), 1);
-    pclose(pipe);
-    return count;
-}
-
-static void write_file(const char *name, const void *data, size_t size)
-{
-    char path[256];
-    snprintf(path, sizeof path, "%s/%s", directory, name);
-    FILE *file = fopen(path, "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(data, 1, size, file), size);
-    fclose(file);
-}
 
 /* A MERL table of n_th x n_td x n_pd samples, all f_r = value before the channel scales, bad at one place. */
 static void write_merl(const char *name, int n_th, int n_td, int n_pd, size_t samples, double value, double bad)
@@ -82,38 +22,15 @@ static void write_merl(const char *name, int n_th, int n_td, int n_pd, size_t sa
     for (size_t i = 0; i < samples; i++) table[i] = i == 17 ? bad : value;
     memcpy(file, header, sizeof header);
     memcpy(file + sizeof header, table, samples * sizeof *table);
-    write_file(name, file, sizeof header + samples * sizeof *table);
+    shell_write(name, file, sizeof header + samples * sizeof *table);
     free(table);
     free(file);
 }
 
-typedef struct mistake {
-    const char *command;
-    int code;
-    const char *says; /* must appear in the line */
-} mistake;
-
-static void check_mistakes(const mistake *list, size_t count)
-{
-    int bad = 0, files = files_in_directory();
-    for (size_t i = 0; i < count; i++) {
-        outcome o = run("%s", list[i].command);
-        int left = files_in_directory();
-        if (o.code == list[i].code && o.lines == 1 && strstr(o.text, list[i].says) && left == files) continue;
-        print_error(
-            "%s\n  exit %d (expected %d), %d lines (expected 1), %d files more (expected 0), expected '%s' in:\n%s\n",
-            list[i].command, o.code, list[i].code, o.lines, left - files, list[i].says, o.text);
-        files = left;
-        bad++;
-    }
-    assert_int_equal(bad, 0);
-}
-#define CHECK(list) check_mistakes(list, sizeof(list) / sizeof(list)[0])
-
 static void bad_command_lines(void **state)
 {
     (void)state;
-    static const mistake list[] = {
+    static const shell_mistake list[] = {
         {"nacre bakee", 1, "near: bake"},
         {"nacre bake", 1, "table, spheres or mesh"},
         {"nacre bake tabel lambert: -o x.ktx2", 1, "tabel"},
@@ -155,7 +72,7 @@ static void bad_command_lines(void **state)
 static void unknown_materials_name_the_near_ones(void **state)
 {
     (void)state;
-    static const mistake list[] = {
+    static const shell_mistake list[] = {
         {"nacre bake table sgd:gold-metalic-paint -o x.ktx2", 1, "gold-metallic-paint"},
         {"nacre bake table ggxx:rough=.3 -o x.ktx2", 1, "ggx"},
         {"nacre bake table ggx:rugh=.3 -o x.ktx2", 1, "rough"},
@@ -178,13 +95,13 @@ static void bad_files(void **state)
     write_merl("negative.binary", 9, -9, 18, 100, 1, 1);
     write_merl("nan.binary", 9, 9, 18, 9 * 9 * 18 * 3, 1, 0.0 / 0.0);
     write_merl("infinite.binary", 9, 9, 18, 9 * 9 * 18 * 3, 1, 1e300 * 1e300);
-    write_file("tiny.binary", "abc", 3);
-    write_file("empty.ktx2", "", 0);
-    write_file("text.ktx2", "this is no texture, but it is long enough to hold a header of eighty bytes, nearly.", 83);
-    write_file("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", 24);
-    write_file("garbage.glb", "glTF garbage", 12);
-    assert_int_equal(run("nacre bake table lambert:albedo=.5 -o table.ktx2").code, 0);
-    static const mistake list[] = {
+    shell_write("tiny.binary", "abc", 3);
+    shell_write("empty.ktx2", "", 0);
+    shell_write("text.ktx2", "this is no texture, but it is long enough to hold a header of eighty bytes, nearly.", 83);
+    shell_write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", 24);
+    shell_write("garbage.glb", "glTF garbage", 12);
+    assert_int_equal(shell_run("nacre bake table lambert:albedo=.5 -o table.ktx2").code, 0);
+    static const shell_mistake list[] = {
         {"nacre bake table missing.binary -o x.ktx2", 2, "missing.binary"},
         {"nacre bake table merl:missing -o x.ktx2", 2, "missing"},
         {"nacre bake table . -o x.ktx2", 1, "."},
@@ -216,7 +133,7 @@ static void bad_files(void **state)
 static void outputs_that_cannot_be_written(void **state)
 {
     (void)state;
-    static const mistake list[] = {
+    static const shell_mistake list[] = {
         {"nacre bake table lambert:albedo=.5 -o no/such/place/x.ktx2", 2, "no/such/place/x.ktx2"},
         {"nacre bake table lambert:albedo=.5 -o .", 2, "."},
         {"nacre bake table lambert:albedo=.5 -o /dev/full", 2, "/dev/full"},
@@ -232,8 +149,8 @@ static void outputs_spare_the_input_and_come_all_or_not_at_all(void **state)
 {
     (void)state;
     write_merl("source.binary", 9, 9, 18, 9 * 9 * 18 * 3, 100, 100);
-    write_file("source.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 32);
-    static const mistake list[] = {
+    shell_write("source.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", 32);
+    static const shell_mistake list[] = {
         {"nacre bake table source.binary -o ./source.binary", 1, "found the input"},
         {"nacre bake mesh source.obj -o source.obj", 1, "found the input"},
         {"nacre shot --mesh source.obj --material lambert:albedo=.5 --light 30,0 -o source.obj", 1, "found the input"},
@@ -248,7 +165,7 @@ static void outputs_spare_the_input_and_come_all_or_not_at_all(void **state)
 static void a_missing_driver(void **state)
 {
     (void)state;
-    static const mistake list[] = {
+    static const shell_mistake list[] = {
         {"LIBGL_DRIVERS_PATH=/nonexistent nacre shot --mesh plane --material lambert:albedo=.5 --light 30,0 --backend "
          "egl2 -o x.png",
          4, "EGL"},
@@ -262,76 +179,57 @@ static void a_missing_driver(void **state)
 static void json_on_standard_output_stands_alone(void **state)
 {
     (void)state;
-    assert_int_equal(run("nacre bake mesh plane -o p.bin --json - >p.json && head -c 1 p.json | grep -qx '{' && "
-                         "tail -n 1 p.json | grep -qx '}'")
+    assert_int_equal(shell_run("nacre bake mesh plane -o p.bin --json - >p.json && head -c 1 p.json | grep -qx '{' && "
+                               "tail -n 1 p.json | grep -qx '}'")
                          .code,
                      0);
-    assert_int_equal(run("nacre bake table lambert:albedo=.5 -o a.ktx2 --json - | tail -n 1 | grep -qx '}'").code, 0);
+    assert_int_equal(shell_run("nacre bake table lambert:albedo=.5 -o a.ktx2 --json - | tail -n 1 | grep -qx '}'").code,
+                     0);
 }
 
 static void a_full_disk_leaves_the_old_file_and_no_other(void **state)
 {
     (void)state;
-    assert_int_equal(run("nacre bake table lambert:albedo=.5 -o kept.ktx2").code, 0);
-    assert_int_equal(run("cp kept.ktx2 before.ktx2").code, 0);
-    int files = files_in_directory();
+    assert_int_equal(shell_run("nacre bake table lambert:albedo=.5 -o kept.ktx2").code, 0);
+    assert_int_equal(shell_run("cp kept.ktx2 before.ktx2").code, 0);
+    int files = shell_files();
     /* A file-size limit of one block of 512 bytes fails the write in the middle, as a full disk does. */
-    outcome o = run("trap '' XFSZ; ulimit -f 1; nacre bake table ggx:rough=.3,f0=.04 -o kept.ktx2");
+    shell_outcome o = shell_run("trap '' XFSZ; ulimit -f 1; nacre bake table ggx:rough=.3,f0=.04 -o kept.ktx2");
     assert_int_equal(o.code, 2);
     assert_int_equal(o.lines, 1);
     assert_non_null(strstr(o.text, "kept.ktx2"));
-    assert_int_equal(files_in_directory(), files);
-    assert_int_equal(run("cmp kept.ktx2 before.ktx2").code, 0);
+    assert_int_equal(shell_files(), files);
+    assert_int_equal(shell_run("cmp kept.ktx2 before.ktx2").code, 0);
 }
 
 static void the_same_input_gives_the_same_bytes(void **state)
 {
     (void)state;
-    assert_int_equal(run("nacre bake table ggx:rough=.3,f0=.04,albedo=.2 -o a.ktx2 --threads 1").code, 0);
-    assert_int_equal(run("nacre bake table ggx:rough=.3,f0=.04,albedo=.2 -o b.ktx2 --threads 4").code, 0);
-    assert_int_equal(run("cmp a.ktx2 b.ktx2").code, 0);
-    assert_int_equal(run("nacre bake spheres sgd:gold-metallic-paint --size 64 -o a.ktx2 --threads 1").code, 0);
-    assert_int_equal(run("nacre bake spheres sgd:gold-metallic-paint --size 64 -o b.ktx2 --threads 3").code, 0);
-    assert_int_equal(run("cmp a.ktx2 b.ktx2").code, 0);
+    assert_int_equal(shell_run("nacre bake table ggx:rough=.3,f0=.04,albedo=.2 -o a.ktx2 --threads 1").code, 0);
+    assert_int_equal(shell_run("nacre bake table ggx:rough=.3,f0=.04,albedo=.2 -o b.ktx2 --threads 4").code, 0);
+    assert_int_equal(shell_run("cmp a.ktx2 b.ktx2").code, 0);
+    assert_int_equal(shell_run("nacre bake spheres sgd:gold-metallic-paint --size 64 -o a.ktx2 --threads 1").code, 0);
+    assert_int_equal(shell_run("nacre bake spheres sgd:gold-metallic-paint --size 64 -o b.ktx2 --threads 3").code, 0);
+    assert_int_equal(shell_run("cmp a.ktx2 b.ktx2").code, 0);
 }
 
 static void c_arrays_hold_the_file_and_depfiles_its_inputs(void **state)
 {
     (void)state;
     write_merl("small.binary", 9, 9, 18, 9 * 9 * 18 * 3, 100, 100);
-    assert_int_equal(run("nacre bake table small.binary -o a.ktx2 --depfile a.d").code, 0);
-    assert_int_equal(run("nacre bake table small.binary -o my-table.c").code, 0);
-    assert_true(exists("my-table.c"));
-    assert_int_equal(run("grep -q '^a.ktx2: small.binary$' a.d").code, 0);
+    assert_int_equal(shell_run("nacre bake table small.binary -o a.ktx2 --depfile a.d").code, 0);
+    assert_int_equal(shell_run("nacre bake table small.binary -o my-table.c").code, 0);
+    assert_true(shell_exists("my-table.c"));
+    assert_int_equal(shell_run("grep -q '^a.ktx2: small.binary$' a.d").code, 0);
     static const char program[] = "#include <stdio.h>\nextern const unsigned char my_table[];\n"
                                   "extern const unsigned long my_table_size;\n"
                                   "int main(void) { fwrite(my_table, 1, my_table_size, stdout); return 0; }\n";
-    write_file("main.c", program, sizeof program - 1);
-    assert_int_equal(run("cc -std=c99 -Wall -Wextra -pedantic -Werror -o main main.c my-table.c && ./main >b.ktx2 && "
-                         "cmp a.ktx2 b.ktx2")
-                         .code,
-                     0);
-}
-
-static int make_directory(void **state)
-{
-    (void)state;
-    tool = getenv("NACRE_TOOL") ? getenv("NACRE_TOOL") : "build/release/nacre";
-    static char absolute[4096];
-    if (!realpath(tool, absolute)) {
-        print_error("%s: not there; set NACRE_TOOL\n", tool);
-        return 1;
-    }
-    tool = absolute;
-    return mkdtemp(directory) ? 0 : 1;
-}
-
-static int remove_directory(void **state)
-{
-    (void)state;
-    char command[64];
-    snprintf(command, sizeof command, "rm -rf %s", directory);
-    return system(command);
+    shell_write("main.c", program, sizeof program - 1);
+    assert_int_equal(
+        shell_run("cc -std=c99 -Wall -Wextra -pedantic -Werror -o main main.c my-table.c && ./main >b.ktx2 && "
+                  "cmp a.ktx2 b.ktx2")
+            .code,
+        0);
 }
 
 int main(void)
@@ -348,5 +246,5 @@ int main(void)
         cmocka_unit_test(the_same_input_gives_the_same_bytes),
         cmocka_unit_test(c_arrays_hold_the_file_and_depfiles_its_inputs),
     };
-    return cmocka_run_group_tests(tests, make_directory, remove_directory);
+    return cmocka_run_group_tests(tests, shell_begin, shell_end);
 }
