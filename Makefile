@@ -77,7 +77,7 @@ FAULT := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/fault/test_*.c))
 BUDGET := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/budget/test_*.c))
 SUPPORT := $(patsubst tests/%.c,$(O)/tests/%.o,$(wildcard tests/support/*.c))
 
-.PHONY: all lib tool demo test tests check-long lint shaders sizes bench install clean help deps-build deps-demo \
+.PHONY: all lib tool demo test tests check-long lint shaders sizes bench install clean help power-table deps-build deps-demo \
         deps-test deps-check-long run-tests sanitize-tests budget
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -146,6 +146,14 @@ $(O)/embedded/%.c: fixtures/in/% $(O)/gen/embed
 
 $(O)/embedded/%.o: $(O)/embedded/%.c
 	$(Q)$(CC) -std=c99 -O0 -fPIC -c -o $@ $<
+
+## power-table: make src/shade/power_table.c again
+power-table: $(O)/gen/power_table
+	$< >src/shade/power_table.c
+$(O)/gen/power_table: tools/gen/power_table.c Makefile
+	@mkdir -p $(@D)
+	$(call say,cc $<)
+	$(Q)$(CC) -std=c11 -O1 $(WARNINGS) -o $@ $< -lm
 
 $(O)/gen/shader_list: tools/gen/shader_list.c $(LIB) Makefile
 	@mkdir -p $(@D)

@@ -109,8 +109,9 @@ const uint8_t *nacre_image_key(const nacre_image *image, const char *key, uint32
 
 typedef enum nacre_model {
     NACRE_MODEL_NONE = 0,
-    NACRE_MODEL_TABLE,  /* half-vector table: one image, one fetch per light (fine tier: two) */
-    NACRE_MODEL_SPHERES /* sphere images per light polar angle (Mihalik & Durikovic 2015) */
+    NACRE_MODEL_TABLE,   /* half-vector table: one image, one fetch per light (fine tier: two) */
+    NACRE_MODEL_SPHERES, /* sphere images per light polar angle (Mihalik & Durikovic 2015) */
+    NACRE_MODEL_SBRDF    /* Lafortune lobes per texel (McAllister et al. 2002) */
 } nacre_model;
 
 /* What an image is for. A material names its images by role; a model uses those it knows. */
@@ -119,6 +120,8 @@ typedef enum nacre_role {
     NACRE_ROLE_SPHERES, /* SPHERES: one layer per light polar angle */
     NACRE_ROLE_NORMAL,  /* tangent-space normals, RGB8 or RGBA8: xyz = 2 code/255 - 1, +y up; any model */
     NACRE_ROLE_MASK,    /* any format with uv: R how much of the second lit sphere, alpha what is written to alpha */
+    NACRE_ROLE_ALBEDO,  /* SBRDF: diffuse albedo, opacity */
+    NACRE_ROLE_LOBES,   /* SBRDF: two layers per lobe: lobe albedo; Cx Cy Cz n */
     NACRE_ROLE_COUNT
 } nacre_role;
 

@@ -94,12 +94,14 @@
 
 /* Keys of every file, next to KTXorientation ("rd") and KTXwriter. The role decides which others there are. Transfer:
    how a code y in 0..1 maps to its value: "root", "root4", "srgb" or "linear", see the roles. */
-#define NACRE_KEY_VERSION  "nacre.asset_version" /* u32: NACRE_ASSET_VERSION; a file without it is a plain image */
-#define NACRE_KEY_ROLE     "nacre.role"          /* text: "table", "spheres", "normal", "mask"; none: a plain image */
-#define NACRE_KEY_TRANSFER "nacre.transfer"      /* text, see above */
-#define NACRE_KEY_NAME     "nacre.name"          /* text: the BRDF that was baked */
-#define NACRE_KEY_ETC1     "nacre.etc1_only"     /* u32: 1 = every ETC2 block is in a mode of ETC1 */
-#define NACRE_KEY_ALBEDO   "nacre.white_sky"     /* 3 q16, 0..1: hemispherical (white-sky) albedo, R G B */
+#define NACRE_KEY_VERSION "nacre.asset_version" /* u32: NACRE_ASSET_VERSION; a file without it is a plain image */
+#define NACRE_KEY_ROLE                                                                                                 \
+    "nacre.role"                             /* text: "table", "spheres", "normal", "mask", "albedo",
+                                                     "lobes", "power"; none: a plain image */
+#define NACRE_KEY_TRANSFER "nacre.transfer"  /* text, see above */
+#define NACRE_KEY_NAME     "nacre.name"      /* text: the BRDF that was baked */
+#define NACRE_KEY_ETC1     "nacre.etc1_only" /* u32: 1 = every ETC2 block is in a mode of ETC1 */
+#define NACRE_KEY_ALBEDO   "nacre.white_sky" /* 3 q16, 0..1: hemispherical (white-sky) albedo, R G B */
 
 /* role "table" (TABLE model). One layer (default, RGB tier) or two (fine tier), RGBA8, one level. With
    y = RGB + (A - 1/2) a^2 W (fine: RGB + (T.rgb - 1/2) a^2 K1 + (A - 1/2) |a| K2), a = n.l - n.v:
@@ -122,5 +124,34 @@
 
 /* role "mask" (any model, drawn by lit spheres). R8, RG8, RGB8 or RGBA8, one layer, transfer "linear": the first channel
    is how much of the second lit sphere shows, alpha (RG8: the second channel; R8, RGB8: 1) what is written to alpha. */
+
+/* roles "albedo" and "lobes" (SBRDF model): every texel its own Lafortune BRDF (McAllister et al. 2002). Both RGBA8, of one
+   size and as many levels, transfer "linear". With l and v in the frame of tangent, bitangent and normal,
+
+     pi f_r = albedo + sum over lobes of lobe albedo x max(Cx lx vx + Cy ly vy + Cz lz vz, 0)^n
+
+   "albedo": one layer; RGB diffuse albedo = most code/255, A opacity (255: opaque). "lobes": two layers a lobe, 2 j and
+   2 j + 1. Layer 2 j: RGB lobe albedo = most[j] code/255. Layer 2 j + 1: RGB Cx Cy Cz = shape[j] (code - 128)/127,
+   exact at 0 and +-shape[j]; A the exponent, n = 255 (code/255)^2. The sum does not exceed 1 for any pair of directions
+   (max(|Cx|, |Cy|, Cz) <= 1): what is above 1 at grazing angles is in the lobe albedo, whose most[j] goes up to 32767.
+
+   With nacre.direction, the direction of anisotropy d = (x, y) of a texel, shared by its lobes, is in the alphas of layers
+   0 and 2, (code - 128)/127, to be normalised; l and v are then taken along d, across it (-y, x), and along the normal. A
+   file of one lobe has a third layer for it, black. Without nacre.direction these alphas are 255.
+
+   Levels below the first are fits to the mean reflectance of the texels they cover, not means of parameters. */
+#define NACRE_KEY_MOST      "nacre.max_value" /* albedo: 1 q16, lobes: 1 q16 a lobe; above 0 */
+#define NACRE_KEY_LOBES     "nacre.lobes"     /* lobes: u32, 1..3 */
+#define NACRE_KEY_SHAPE     "nacre.shape_max" /* lobes: 1 q16 a lobe, 1..2 */
+#define NACRE_KEY_DIRECTION "nacre.direction" /* lobes: u32, 1 = the alphas hold the direction of anisotropy; else 0 */
+#define NACRE_MAX_LOBES     3
+#define NACRE_CODE_ZERO     128 /* code of C = 0 and direction 0 */
+#define NACRE_CODE_STEPS    127 /* codes from there to shape[j], and to 1 */
+#define NACRE_EXPONENT_MOST 255
+
+/* role "power" (SBRDF model): x^n for 0 <= x <= 1, to be filtered linearly. One layer, one level, transfer "linear"; R8:
+   code/255, or RG8: (256 R + G)/65535, which linear filters keep. Column i of W is x' = x^2 = (i + 1/2)/(W - 1/2), so that
+   u = x' (W - 1/2)/W; row j of H is n' = (j + 1/2)/H, n = 255 n'^2, so that v is the exponent's code/255 as it is sampled.
+   Values lie a little below the power's, half of what a chord lies above it; x = 1 is exact. */
 
 #endif

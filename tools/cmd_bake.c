@@ -1,75 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* nacre bake KIND: one input, one output file. */
-#include <omp.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "bake.h"
+#include "bake_common.h"
 #include "commands.h"
 #include "json.h"
 #include "mesh.h"
 #include "options.h"
 
-/* What every kind of bake takes. */
-typedef struct bake_common {
-    const char *output, *depfile, *json;
-    int threads, quiet;
-} bake_common;
-
-#define COMMON_OPTIONS(c)                                                                                               \
-    {"-o", OPTION_TEXT, &(c).output, 0, 0, "FILE", "output: a .ktx2, or a .c for a C array"},                           \
-        {"--depfile", OPTION_TEXT, &(c).depfile, 0, 0, "FILE", "write a make fragment: output and what it is made of"}, \
-        {"--json", OPTION_TEXT, &(c).json, 0, 0, "FILE", "the figures printed, as JSON (- for standard output)"},       \
-        {"--threads", OPTION_INT, &(c).threads, 1, 256, "N", "(all cores) the bytes do not depend on it"},              \
-    {                                                                                                                   \
-        "--quiet", OPTION_FLAG, &(c).quiet, 0, 0, NULL, "print nothing but errors"                                      \
-    }
-
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
-
-/* Nothing but the JSON goes to standard output if that is where it goes. */
-static int prints_text(const bake_common *c)
-{
-    return !c->quiet && !(c->json && !strcmp(c->json, "-"));
-}
-
-static int check_common(const bake_common *c, const char *kind, const char *input, failure *f)
-{
-    if (!c->output) return fail(f, FAIL_USAGE, "%s: -o FILE is missing", kind);
-    if (c->threads) omp_set_num_threads(c->threads);
-    return output_apart(c->output, bake_input(input), f);
-}
-
-/* What goes with the output: the make fragment and the figures. Neither is left if one of them fails. */
-static int write_side_outputs(const bake_common *c, const char *input, json *figures, failure *f)
-{
-    int code = FAIL_NONE;
-    if (c->depfile) {
-        const char *inputs[1] = {bake_input(input)};
-        code = output_depfile(c->depfile, c->output, inputs, inputs[0] != NULL, f);
-    }
-    if (code || !c->json) return code;
-    code = json_write(figures, c->json, f);
-    if (code && c->depfile) output_discard(c->depfile);
-    return code;
-}
-
-static void discard_side_outputs(const bake_common *c)
-{
-    if (c->depfile) output_discard(c->depfile);
-    if (c->json) output_discard(c->json);
-}
-
-/* The output comes last: where it is, all that goes with it is. */
-static int write_outputs(const bake_common *c, const bytes *file, const char *input, json *figures, failure *f)
-{
-    int code = write_side_outputs(c, input, figures, f);
-    bytes_free(&figures->out);
-    if (code) return code;
-    code = output_write(c->output, file, f);
-    if (code) discard_side_outputs(c);
-    return code;
-}
 
 /* ---- BRDFs -------------------------------------------------------------------------------------- */
 
@@ -78,10 +19,10 @@ static int bake_brdf(int argc, char **argv, failure *f)
     bake_common c = {0};
     bake_request request;
     char what[40];
-    const option common[] = {COMMON_OPTIONS(c)};
+    const option common[] = {BAKE_OPTIONS(c)};
     int code = bake_parse(&request, argc, argv, common, COUNT(common), f);
     snprintf(what, sizeof what, "bake %s", argv[0]);
-    if (code || (code = check_common(&c, what, request.brdf, f))) return code;
+    if (code || (code = bake_check(&c, what, request.brdf, f))) return code;
 
     brdf *b;
     if ((code = brdf_open(&b, request.brdf, f))) return code;
@@ -91,8 +32,8 @@ static int bake_brdf(int argc, char **argv, failure *f)
     brdf_close(b);
     if (code) return code;
 
-    code = write_outputs(&c, &result.file, request.brdf, &result.figures, f);
-    if (!code && prints_text(&c))
+    code = bake_write_outputs(&c, &result.file, request.brdf, &result.figures, f);
+    if (!code && bake_prints(&c))
         printf("%s: %s, %s, %zu in the file\n", c.output, request.brdf, result.shape, result.file.size);
     bake_free(&result);
     return code;
@@ -125,18 +66,29 @@ static int bake_mesh(int argc, char **argv, failure *f)
     };
     int code = options_parse(argc, argv, "nacre bake mesh MESH -o F.c|F.bin [options]", table, COUNT(table), &name,
                              &operands, 1, 1, f);
-    if (code || (code = check_common(&c, "bake mesh", name, f))) return code;
+    if (code || (code = bake_check(&c, "bake mesh", name, f))) return code;
     mesh m;
     if ((code = mesh_open(&m, name, f))) return code;
     json figures = mesh_figures(&m, c.output);
-    code = write_side_outputs(&c, name, &figures, f);
+    const char *inputs[1] = {bake_input(name)};
+    code = bake_write_side_outputs(&c, inputs, inputs[0] != NULL, &figures, f);
     bytes_free(&figures.out);
-    if (!code && (code = mesh_write(&m, c.output, f))) discard_side_outputs(&c);
-    if (!code && prints_text(&c))
+    if (!code && (code = mesh_write(&m, c.output, f))) bake_discard_side_outputs(&c);
+    if (!code && bake_prints(&c))
         printf("%s: %s, %d vertices, %d triangles\n", c.output, m.name, m.vertex_count, m.index_count / 3);
     mesh_free(&m);
     return code;
 }
+
+/* Kinds that are not made of a BRDF alone. */
+static const struct {
+    const char *name;
+    int (*run)(int argc, char **argv, failure *f);
+    const char *help;
+} others[] = {
+    {"mesh", bake_mesh, "shapes for firmware: vertices and indices as C source or as bytes"},
+    {"power", bake_power, "x^n as a table, for materials that vary over the surface"},
+};
 
 static void print_kinds(void)
 {
@@ -144,19 +96,30 @@ static void print_kinds(void)
     const bake_kind *kinds = bake_kinds(&count);
     printf("usage: nacre bake KIND INPUT -o FILE [options]   (nacre bake KIND --help)\n");
     for (size_t i = 0; i < count; i++) printf("  %-8s %s\n", kinds[i].name, kinds[i].help);
-    printf("  %-8s %s\n", "mesh", "shapes for firmware: vertices and indices as C source or as bytes");
+    for (size_t i = 0; i < COUNT(others); i++) printf("  %-8s %s\n", others[i].name, others[i].help);
+}
+
+/* "table, spheres, mesh or power" */
+static void list_kinds(char *text, size_t size)
+{
+    bake_kind_names(text, size);
+    for (size_t i = 0; i < COUNT(others); i++) {
+        size_t used = strlen(text);
+        snprintf(text + used, size - used, "%s%s", i + 1 < COUNT(others) ? ", " : " or ", others[i].name);
+    }
 }
 
 int cmd_bake(int argc, char **argv, failure *f)
 {
-    char names[100];
-    bake_kind_names(names, sizeof names);
-    if (argc < 2) return fail(f, FAIL_USAGE, "expected what to bake: %s or mesh", names);
+    char names[200];
+    list_kinds(names, sizeof names);
+    if (argc < 2) return fail(f, FAIL_USAGE, "expected what to bake: %s", names);
     if (bake_find(argv[1])) return bake_brdf(argc - 1, argv + 1, f);
-    if (!strcmp(argv[1], "mesh")) return bake_mesh(argc - 1, argv + 1, f);
+    for (size_t i = 0; i < COUNT(others); i++)
+        if (!strcmp(argv[1], others[i].name)) return others[i].run(argc - 1, argv + 1, f);
     if (!strcmp(argv[1], "--help") || !strcmp(argv[1], "-h")) {
         print_kinds();
         return FAIL_NONE;
     }
-    return fail(f, FAIL_USAGE, "%s: expected %s or mesh", argv[1], names);
+    return fail(f, FAIL_USAGE, "%s: expected %s", argv[1], names);
 }

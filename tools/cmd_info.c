@@ -14,6 +14,7 @@
 #include "merl.h"
 #include "options.h"
 #include "rgl.h"
+#include "sbrdf_map.h"
 #include "sphere_bake.h"
 #include "table_bake.h"
 
@@ -298,6 +299,42 @@ static int report_spheres(report *r, const nacre_image *image, failure *f)
     return FAIL_NONE;
 }
 
+static int report_albedo(report *r, const nacre_image *image, failure *f)
+{
+    double most;
+    char sentence[200];
+    const int code = sbrdf_check_albedo(image, r->path, &most, f);
+    if (code) return code;
+    snprintf(sentence, sizeof sentence,
+             "diffuse albedo up to %.4g and opacity, for a material that varies over the surface", most);
+    say(r, sentence);
+    return FAIL_NONE;
+}
+
+static int report_lobes(report *r, const nacre_image *image, failure *f)
+{
+    sbrdf_map m;
+    char sentence[300];
+    const int code = sbrdf_check_lobes(image, r->path, &m, f);
+    if (code) return code;
+    int n = snprintf(sentence, sizeof sentence, "%d Lafortune lobe%s a texel%s, pi f_r up to", m.lobes,
+                     m.lobes == 1 ? "" : "s", m.has_direction ? " with a direction" : "");
+    for (int j = 0; j < m.lobes; j++)
+        n += snprintf(sentence + n, sizeof sentence - (size_t)n, "%s %.4g", j ? "," : "", m.most[j]);
+    say(r, sentence);
+    bytes_printf(&r->text, "  check: lobes, layers and ranges agree\n");
+    return FAIL_NONE;
+}
+
+static int report_power(report *r, const nacre_image *image, failure *f)
+{
+    if (image->format != NACRE_FORMAT_R8 && image->format != NACRE_FORMAT_RG8)
+        return fail(f, FAIL_INVALID, "%s: found a power table in %s, expected R8 or RG8", r->path,
+                    format_name(image->format));
+    say(r, image->format == NACRE_FORMAT_R8 ? "x^n in 8 bits" : "x^n in 16 bits");
+    return FAIL_NONE;
+}
+
 static int report_role(report *r, const nacre_image *image, failure *f)
 {
     uint32_t size = 0;
@@ -318,12 +355,17 @@ static int report_role(report *r, const nacre_image *image, failure *f)
         return fail(f, FAIL_INVALID, "%s: found a mask in %s, expected R8, RG8, RGB8 or RGBA8", r->path,
                     format_name(image->format));
     }
+    if (asset_key_is(image, NACRE_KEY_ROLE, "albedo")) return report_albedo(r, image, f);
+    if (asset_key_is(image, NACRE_KEY_ROLE, "lobes")) return report_lobes(r, image, f);
+    if (asset_key_is(image, NACRE_KEY_ROLE, "power")) return report_power(r, image, f);
     if (role) {
         char text[100];
         printable(role, size, text, sizeof text);
-        return fail(f, FAIL_INVALID,
-                    "%s: key %s: found \"%s\", expected \"table\", \"spheres\", \"normal\" or \"mask\"", r->path,
-                    NACRE_KEY_ROLE, text);
+        return fail(
+            f, FAIL_INVALID,
+            "%s: key %s: found \"%s\", expected \"table\", \"spheres\", \"normal\", \"mask\", \"albedo\", \"lobes\" or "
+            "\"power\"",
+            r->path, NACRE_KEY_ROLE, text);
     }
     say(r, image->faces == 6 ? "a cube map without a role" : "an image without a role");
     return FAIL_NONE;

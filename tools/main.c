@@ -13,7 +13,7 @@ typedef struct command {
 } command;
 
 static const command commands[] = {
-    {"bake", cmd_bake, "table, spheres or mesh: measured reflectance and shapes into small files"},
+    {"bake", cmd_bake, "table, spheres, mesh, ...: measured reflectance and shapes into small files"},
     {"batch", cmd_batch, "bake and compare a list of materials"},
     {"fit", cmd_fit, "Lafortune lobes to a BRDF, by least squares"},
     {"shot", cmd_shot, "draw a mesh in a material to a PNG, by the GLES shaders or in double precision"},

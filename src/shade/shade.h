@@ -144,6 +144,19 @@ void shade_eye(const nacre_view *view, const nacre_q16 centre[3], int32_t out_q2
 /* Three rows of the least rotation that takes the unit vector v to +z: `turn` of a frame with this direction to the eye. */
 void shade_turn_to_z(const int32_t v_q28[3], int32_t row_q28[][3]);
 
+/* ---- x^n ---------------------------------------------------------------------------------------------------------- */
+
+/* 2^24 log2(1 + i/256) and 2^31 2^(-i/256), i = 0..256: power_table.c, made by tools/gen/power_table.c. */
+extern const uint32_t shade_log2_table[257], shade_exp2_table[257];
+
+/* Exponent of a code 0..255 (nacre_asset.h: n = 255 (code/255)^2), q16; worst 1.5 ulp. */
+int32_t shade_exponent_q16(uint32_t code);
+/* x^n, q16: 0..65536; x above 1 counts as 1, x at and below 0 gives 0. No division, two table entries each way.
+   n q16, 0..255. worst 2^-17 + 1.5e-4 of the value. */
+uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16);
+/* Texel (column, row) of the power table of nacre_asset.h, 0..65535; width, height 2..4096. Set-up. */
+uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsigned height);
+
 /* ---- between the files of this room ----------------------------------------------------------- */
 
 /* What a model's file needs to know of one light. */

@@ -12,7 +12,7 @@
 #include "png_io.h"
 #include "table_bake.h"
 
-static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal", "mask"};
+static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal", "mask", "albedo", "lobes"};
 
 static int ends_with(const char *text, const char *end)
 {
