@@ -36,6 +36,7 @@ int bake_write_outputs(const bake_common *c, const bytes *file, const char *inpu
 
 /* ---- kinds with a file of their own: cmd_bake_KIND.c --------------------------------------------- */
 
+int bake_lights(int argc, char **argv, failure *f);
 int bake_power(int argc, char **argv, failure *f);
 
 #endif

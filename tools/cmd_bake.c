@@ -86,6 +86,7 @@ static const struct {
     int (*run)(int argc, char **argv, failure *f);
     const char *help;
 } others[] = {
+    {"lights", bake_lights, "an environment map as directional lights"},
     {"mesh", bake_mesh, "shapes for firmware: vertices and indices as C source or as bytes"},
     {"power", bake_power, "x^n as a table, for materials that vary over the surface"},
 };

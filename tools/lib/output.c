@@ -191,7 +191,7 @@ void output_discard(const char *path)
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode)) unlink(path);
 }
 
-static void c_identifier(const char *path, char *out, size_t size)
+void output_identifier(const char *path, char *out, size_t size)
 {
     const char *base = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     size_t length = strlen(base), n = 0;
@@ -206,7 +206,7 @@ int output_write(const char *path, const bytes *b, failure *f)
     size_t length = strlen(path);
     if (length < 3 || strcmp(path + length - 2, ".c")) return output_write_raw(path, b, f);
     char name[256];
-    c_identifier(path, name, sizeof name);
+    output_identifier(path, name, sizeof name);
     bytes text = {0};
     bytes_printf(&text,
                  "/* Written by nacre. %zu bytes. */\n"

@@ -27,6 +27,9 @@ int output_write(const char *path, const bytes *b, failure *f);
 /* The same without the .c rule, for texts and pictures. */
 int output_write_raw(const char *path, const bytes *b, failure *f);
 
+/* C name of what is in a file: "out/my-gold.c" gives my_gold. */
+void output_identifier(const char *path, char *out, size_t size);
+
 /* FAIL_USAGE if path is the same regular file as input (which may be NULL, or no file at all): an output must not replace
    what it is made of. */
 int output_apart(const char *path, const char *input, failure *f);
