@@ -9,6 +9,8 @@
 #include "options.h"
 #include "png_io.h"
 #include "scene.h"
+#include "shot_lights.h"
+#include "turntable.h"
 
 enum { BACKEND_DOUBLE = GL_BACKEND_COUNT, BACKEND_COUNT };
 static const char *const backend_names[BACKEND_COUNT] = {"egl2", "egl3", "osmesa", "double"};
@@ -17,8 +19,13 @@ static const char *const output_names[] = {"srgb", "sqrt", "linear"}; /* in the 
 typedef struct shot {
     const char *output_path;
     int backend, samples;
-    option_texts mesh, material, size, light, point, camera, turn, backend_name, output, exposure, ambient, tint;
-    int ortho, threads;
+    option_texts mesh, material, size, camera, turn, backend_name, output, exposure, ambient, tint, turning;
+    int ortho, threads, lit_size;
+    shot_lights lights;
+    turntable table; /* frames 0: one picture */
+    int turn_lights; /* the turntable's: 0: the mesh turns */
+    double yaw_deg;
+    scene_gles *gles; /* NULL: the reference renderer draws */
     progress meter;
     mesh shape;
     scene_material material_open;
@@ -67,54 +74,34 @@ static int parse_rgb(const option_texts *texts, const char *name, double out[3],
     return code;
 }
 
-static int check_power(const char *name, const char *text, const double power[3], failure *f)
-{
-    int i;
-
-    for (i = 0; i < 3; i++)
-        if (power[i] < 0 || power[i] > 32767)
-            return fail(f, FAIL_USAGE, "%s %s: r,g,b of %g, expected 0..32767", name, text, power[i]);
-    return FAIL_NONE;
-}
-
-static int parse_light(shot *t, const char *text, failure *f)
-{
-    double v[5] = {0, 0, 1, 1, 1};
-    int count, code = parse_reals(text, "--light", v, 2, 5, &count, f);
-
-    if (code) return code;
-    if (count != 2 && count != 5)
-        return fail(f, FAIL_USAGE, "--light %s: %d numbers, expected polar,azimuth or polar,azimuth,r,g,b", text,
-                    count);
-    if (v[0] < 0 || v[0] > 180) return fail(f, FAIL_USAGE, "--light %s: polar angle %g, expected 0..180", text, v[0]);
-    if (fabs(v[1]) > 3600) return fail(f, FAIL_USAGE, "--light %s: azimuth %g, expected -3600..3600", text, v[1]);
-    scene_add_light(&t->s, v[0], v[1], v + 2);
-    return check_power("--light", text, v + 2, f);
-}
-
-static int parse_point(shot *t, const char *text, failure *f)
-{
-    double v[6] = {0, 0, 0, 1, 1, 1};
-    int count, code = parse_reals(text, "--point", v, 3, 6, &count, f);
-
-    if (code) return code;
-    if (count != 3 && count != 6)
-        return fail(f, FAIL_USAGE, "--point %s: %d numbers, expected x,y,z or x,y,z,r,g,b", text, count);
-    scene_add_point(&t->s, v, v + 3);
-    return check_power("--point", text, v + 3, f);
-}
-
 static int parse_lights(shot *t, failure *f)
 {
-    int i, code = FAIL_NONE, count = t->light.count + t->point.count;
+    const shot_lights *l = &t->lights;
 
-    if (count > SCENE_MAX_LIGHTS)
-        return fail(f, FAIL_USAGE, "--light, --point: %d lights, expected at most %d", count, SCENE_MAX_LIGHTS);
-    if (!count && !t->ambient.count)
-        return fail(f, FAIL_USAGE, "no light: expected --light polar,azimuth or --point x,y,z");
-    for (i = 0; i < t->light.count && !code; i++) code = parse_light(t, t->light.item[i], f);
-    for (i = 0; i < t->point.count && !code; i++) code = parse_point(t, t->point.item[i], f);
-    return code;
+    if (!(l->light.count || l->point.count || l->files.count || l->env.count || t->ambient.count))
+        return fail(f, FAIL_USAGE,
+                    "no light: expected --light polar,azimuth, --point x,y,z, --env MAP.hdr or "
+                    "--lights-file FILE");
+    return shot_lights_parse(&t->lights, &t->s, t->backend == BACKEND_DOUBLE, f);
+}
+
+static int parse_turntable(shot *t, failure *f)
+{
+    const char *text;
+    int code = single(&t->turning, "--turning", &text, f);
+
+    if (code) return code;
+    if (!t->table.frames) {
+        if (text) return fail(f, FAIL_USAGE, "--turning %s: expected --turntable N with it", text);
+        return FAIL_NONE;
+    }
+    if (text && strcmp(text, "mesh") && strcmp(text, "lights"))
+        return fail(f, FAIL_USAGE, "--turning %s: unknown, expected mesh or lights", text);
+    t->turn_lights = text && !strcmp(text, "lights");
+    if (t->turn_lights && t->lights.point.count)
+        return fail(f, FAIL_USAGE, "--turning lights with --point: expected directional lights only");
+    t->table.path = t->output_path;
+    return turntable_check(&t->table, f);
 }
 
 static int parse_camera(shot *t, failure *f)
@@ -143,7 +130,8 @@ static int parse_camera(shot *t, failure *f)
         camera.fovy_deg = v[6];
         camera.kind = SCENE_CAMERA_LOOK;
     }
-    return scene_aim(&t->s, &camera, f);
+    t->yaw_deg = camera.yaw_deg;
+    return t->table.frames ? scene_aim_turntable(&t->s, &camera, f) : scene_aim(&t->s, &camera, f);
 }
 
 static int parse_numbers(shot *t, failure *f)
@@ -189,12 +177,14 @@ static int set_up(shot *t, failure *f)
     if (!mesh_name) return fail(f, FAIL_USAGE, "--mesh is missing: sphere, teapot, plane, torus or a file");
     if (!material) return fail(f, FAIL_USAGE, "--material is missing: a .ktx2 file or a BRDF's name");
     if ((code = output_apart(t->output_path, mesh_name, f)) || (code = output_apart(t->output_path, material, f)) ||
-        (code = parse_frame(t, &width, &height, f)))
+        (code = shot_lights_apart(&t->lights, t->output_path, f)) || (code = parse_frame(t, &width, &height, f)))
         return code;
     scene_begin(&t->s, NULL, width * t->samples, height * t->samples);
+    t->s.lit_size = t->lit_size;
+    t->lights.quiet = t->meter.quiet;
     if ((code = choose(&t->backend_name, "--backend", backend_names, BACKEND_COUNT, &t->backend, f)) ||
         (code = choose(&t->output, "--output", output_names, 3, &t->s.output, f)) || (code = parse_lights(t, f)) ||
-        (code = parse_numbers(t, f)))
+        (code = parse_turntable(t, f)) || (code = parse_numbers(t, f)))
         return code;
     if ((code = mesh_open(&t->shape, mesh_name, f))) return code;
     t->s.shape = &t->shape;
@@ -204,39 +194,77 @@ static int set_up(shot *t, failure *f)
     return scene_material_open(&t->material_open, material, t->backend == BACKEND_DOUBLE, f);
 }
 
-static int draw(shot *t, failure *f)
+static int draw(shot *t, image_u8 *picture, failure *f)
 {
     const scene_material *m = &t->material_open;
-    image_u8 frame = {0}, picture = {0};
+    image_u8 frame = {0};
     int code;
 
-    if (t->backend == BACKEND_DOUBLE)
+    if (t->gles)
+        code = scene_gles_draw(t->gles, &t->s, &m->material, &frame, f);
+    else
         code = scene_draw_double(&t->s, m->reflectance, m->has_albedo ? m->albedo : NULL,
                                  m->normal_map.texel ? &m->normal_map : NULL, &frame, f);
-    else
-        code = scene_draw_gles(&t->s, &m->material, (gl_backend)t->backend, &frame, f);
-    if (!code) {
-        scene_average(&frame, t->samples, t->s.output, &picture);
-        code = png_write(t->output_path, &picture, f);
-    }
+    if (!code) scene_average(&frame, t->samples, t->s.output, picture);
     image_u8_free(&frame);
+    return code;
+}
+
+static int draw_one(shot *t, failure *f)
+{
+    image_u8 picture = {0};
+    int code = draw(t, &picture, f);
+
+    if (!code) code = png_write(t->output_path, &picture, f);
     image_u8_free(&picture);
+    return code;
+}
+
+/* Frame k has turned by k / frames of a turn: the mesh, or all lights. */
+static int draw_turn(shot *t, failure *f)
+{
+    const double step = 360.0 / t->table.frames;
+    const scene still = t->s;
+    int k, code = FAIL_NONE;
+
+    t->s.progress = NULL;
+    progress_begin(&t->meter, "frames", t->table.frames);
+    for (k = 0; k < t->table.frames && !code; k++) {
+        image_u8 picture = {0};
+        memcpy(t->s.object_to_view, still.object_to_view, sizeof still.object_to_view);
+        scene_turn(&t->s, t->yaw_deg + (t->turn_lights ? 0 : k * step));
+        if (t->turn_lights && k) shot_lights_turn(&t->lights, &t->s, step);
+        code = draw(t, &picture, f);
+        if (!code) code = turntable_add(&t->table, k, &picture, f);
+        image_u8_free(&picture);
+        progress_add(&t->meter, 1);
+    }
+    progress_end(&t->meter);
+    turntable_free(&t->table);
+    return code;
+}
+
+static int draw_all(shot *t, failure *f)
+{
+    int code = shot_lights_open(&t->lights, &t->s, f);
+
+    if (!code && t->backend != BACKEND_DOUBLE)
+        code = scene_gles_open(&t->gles, (gl_backend)t->backend, t->s.width, t->s.height, f);
+    if (code) return code;
+    code = t->table.frames ? draw_turn(t, f) : draw_one(t, f);
+    scene_gles_close(t->gles);
     return code;
 }
 
 int cmd_shot(int argc, char **argv, failure *f)
 {
-    shot t = {.samples = 1};
+    shot t = {.samples = 1, .table.per_second = 20};
     const option table[] = {
         {"--mesh", OPTION_TEXTS, &t.mesh, 0, 0, "MESH",
          "sphere, teapot, plane, torus, or an OBJ, glTF, GLB, PLY or STL file"},
         {"--material", OPTION_TEXTS, &t.material, 0, 0, "MATERIAL",
          "FILE.ktx2, a BRDF's name (nacre info --brdfs), or role=FILE,... with roles table, spheres, normal"},
-        {"--light", OPTION_TEXTS, &t.light, 0, 0, "POLAR,AZIMUTH[,R,G,B]",
-         "directional light in view space, degrees: polar from +z towards the eye, azimuth from +x to +y; "
-         "irradiance on a surface that faces it (1,1,1); may be repeated"},
-        {"--point", OPTION_TEXTS, &t.point, 0, 0, "X,Y,Z[,R,G,B]",
-         "point light in view space; radiant intensity (1,1,1); may be repeated"},
+        SHOT_LIGHT_OPTIONS(t.lights),
         {"--camera", OPTION_TEXTS, &t.camera, 0, 0, "EX,EY,EZ,TX,TY,TZ[,FOVY]",
          "perspective from eye to target (the whole mesh from +z), vertical field of view in degrees (30)"},
         {"--ortho", OPTION_FLAG, &t.ortho, 0, 0, NULL, "orthographic from +z; the sphere fills the frame"},
@@ -246,6 +274,13 @@ int cmd_shot(int argc, char **argv, failure *f)
         {"--tint", OPTION_TEXTS, &t.tint, 0, 0, "R,G,B", "multiplies reflected radiance (1,1,1)"},
         {"--output", OPTION_TEXTS, &t.output, 0, 0, "CURVE", "srgb, sqrt or linear codes (srgb)"},
         {"--distant", OPTION_FLAG, &t.s.distant_viewer, 0, 0, NULL, "one view direction for the whole mesh"},
+        {"--lit", OPTION_INT, &t.lit_size, 16, 512, "N",
+         "by a lit sphere of N x N texels: all directional lights for one fetch per pixel, one view direction for the "
+         "whole mesh (128 with --env, --lights-file or more than 8 lights; else direct)"},
+        {"--turntable", OPTION_INT, &t.table.frames, 1, TURNTABLE_MAX_FRAMES, "N", "N frames of a whole turn, see -o"},
+        {"--turning", OPTION_TEXTS, &t.turning, 0, 0, "WHAT",
+         "what the turntable turns about +y: mesh or lights (mesh)"},
+        {"--fps", OPTION_INT, &t.table.per_second, 1, 60, "N", "frames a second of an animated PNG (20)"},
         {"--size", OPTION_TEXTS, &t.size, 0, 0, "WxH", "pixels, 1..4096 a side (512x512)"},
         {"--samples", OPTION_INT, &t.samples, 1, 8, "N", "anti-aliasing: mean of N x N per pixel, in linear light (1)"},
         {"--backend", OPTION_TEXTS, &t.backend_name, 0, 0, "NAME",
@@ -253,7 +288,8 @@ int cmd_shot(int argc, char **argv, failure *f)
         {"--threads", OPTION_INT, &t.threads, 1, 256, "N", "(all cores) the picture does not depend on it"},
         {"--quiet", OPTION_FLAG, &t.meter.quiet, 0, 0, NULL, "no progress line"},
         {"-o", OPTION_TEXT, &t.output_path, 0, 0, "FILE.png",
-         "the picture: RGBA, straight alpha, transparent background"},
+         "the picture: RGBA, straight alpha, transparent background; with --turntable frame_%03d.png for a file per "
+         "frame, numbered from 0, or F.png for an animated PNG"},
     };
     const char *operand[1];
     int count = 0, distant;
@@ -266,7 +302,8 @@ int cmd_shot(int argc, char **argv, failure *f)
     distant = t.s.distant_viewer;
     code = set_up(&t, f);
     t.s.distant_viewer = distant;
-    if (!code) code = draw(&t, f);
+    if (!code) code = draw_all(&t, f);
+    shot_lights_close(&t.lights);
     scene_material_close(&t.material_open);
     mesh_free(&t.shape);
     return code;

@@ -272,6 +272,7 @@ static void broken_files_are_refused_in_one_line(void **state)
         {"#?RADIANCE\n\n-Y 1 +Y 2\nabcdefgh", FAIL_INVALID, "-Y 256 +X 512"},
         {"#?RADIANCE\n\n+X 2 -Y 1\nabcdefgh", FAIL_UNSUPPORTED, "columns"},
         {"#?RADIANCE\n\n-Y 100000 +X 200000\n", FAIL_UNSUPPORTED, "16384"},
+        {"#?RADIANCE\n\n-Y 2 +X 9999999999999999999\n", FAIL_INVALID, "twice"},
         {"#?RADIANCE\n\n-Y 9999999999999999999 +X 2\n", FAIL_INVALID, "twice"},
         {"#?RADIANCE\n\n-Y 1 +X 2\nabcdefg", FAIL_INVALID, "ends in the texels"},
         {"#?RADIANCE\n\n-Y 1 +X 2\n\1\1\1\2", FAIL_INVALID, "run"},

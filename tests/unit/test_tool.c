@@ -32,7 +32,7 @@ static void bad_command_lines(void **state)
     (void)state;
     static const shell_mistake list[] = {
         {"nacre bakee", 1, "near: bake"},
-        {"nacre bake", 1, "table, spheres, mesh or power"},
+        {"nacre bake", 1, "table, spheres, lights, mesh or power"},
         {"nacre bake tabel lambert: -o x.ktx2", 1, "tabel"},
         {"nacre bake table", 1, "argument"},
         {"nacre bake table lambert:albedo=.5", 1, "-o"},
@@ -61,10 +61,10 @@ static void bad_command_lines(void **state)
         {"nacre shot --mesh sphere --material tabel=x.ktx2 --light 30,0 -o x.png", 1, "table=FILE"},
         {"nacre shot --mesh sphere --material \"$(printf 'a\\nb')\" --light 30,0 -o x.png", 1, "a?b"},
         {"nacre info ''", 1, "empty"},
-        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --light 1,0 --light 2,0 --light 3,0 --light "
-         "4,0 "
-         "--light 5,0 --light 6,0 --light 7,0 --light 8,0 --light 9,0 -o x.png",
-         1, "8"},
+        {"nacre shot --mesh sphere --ortho --material lambert:albedo=.5 --point 1,0,2 --point 2,0,2 --point 3,0,2 "
+         "--point 4,0,2 "
+         "--point 5,0,2 --point 6,0,2 --point 7,0,2 --point 8,0,2 --point 9,0,2 -o x.png",
+         1, "at most 8"},
     };
     CHECK(list);
 }
@@ -162,6 +162,106 @@ static void outputs_spare_the_input_and_come_all_or_not_at_all(void **state)
     CHECK(list);
 }
 
+/* A portable float map with one radiance everywhere but at one texel. */
+static void write_map(const char *name, int width, int height, float value, float one)
+{
+    char file[4096];
+    int used = snprintf(file, sizeof file, "PF\n%d %d\n-1\n", width, height);
+    for (int i = 0; i < 3 * width * height; i++, used += 4) memcpy(file + used, i == 7 ? &one : &value, 4);
+    shell_write(name, file, (size_t)used);
+}
+
+#define MATT "--mesh sphere --ortho --material lambert:albedo=.5 --size 16"
+
+static void environments(void **state)
+{
+    (void)state;
+    write_map("sky.pfm", 8, 4, 1, 1);
+    write_map("night.pfm", 8, 4, 0, 0);
+    write_map("square.pfm", 8, 8, 1, 1);
+    write_map("sun.pfm", 8, 4, 1, 1e7f);
+    write_map("negative.pfm", 8, 4, 1, -1);
+    shell_write("empty.hdr", "", 0);
+    shell_write("cut.hdr", "#?RADIANCE\n\n-Y 4 +X 8\nabcd", 26);
+    shell_write("bad.csv", "90,0,1,1,1\n90,0,1,1\n", 20);
+    static const shell_mistake list[] = {
+        {"nacre bake lights sky.pfm", 1, "-o"},
+        {"nacre bake lights sky.pfm -o x.csv --count 0", 1, "--count 0: expected a whole number 1..1024"},
+        {"nacre bake lights sky.pfm -o x.csv --count 10000", 1, "--count 10000"},
+        {"nacre bake lights sky.pfm -o x.csv --method best", 1, "median-cut"},
+        {"nacre bake lights sky.pfm -o x.csv --turn nan", 1, "--turn"},
+        {"nacre bake lights sky.pfm -o sky.pfm", 1, "found the input"},
+        {"nacre bake lights missing.hdr -o x.csv", 2, "missing.hdr"},
+        {"nacre bake lights sky.pfm -o no/such/x.csv", 2, "no/such/x.csv"},
+        {"nacre bake lights empty.hdr -o x.csv", 3, "empty.hdr: the file is empty"},
+        {"nacre bake lights cut.hdr -o x.csv", 3, "cut.hdr: offset 26"},
+        {"nacre bake lights night.pfm -o x.csv", 3, "black"},
+        {"nacre bake lights square.pfm -o x.csv", 3, "8x8"},
+        {"nacre bake lights sun.pfm -o x.csv", 4, "--scale"},
+        {"nacre bake lights bad.csv -o x.csv", 3, "bad.csv: found '90,0,1,1,1'"},
+        {"nacre shot " MATT " --backend double --lights-file bad.csv -o x.png", 3, "bad.csv: line 2"},
+        {"nacre shot " MATT " --backend double --lights-file missing.csv -o x.png", 2, "missing.csv"},
+        {"nacre shot " MATT " --backend double --lights-file bad.csv -o bad.csv", 1, "found the input"},
+        {"nacre shot " MATT " --backend double --env sky.pfm -o sky.pfm", 1, "found the input"},
+        {"nacre shot " MATT " --backend double --env night.pfm -o x.png", 3, "black"},
+        {"nacre shot " MATT " --backend double --env night.pfm --count all -o x.png", 3, "black"},
+        {"nacre shot " MATT " --backend double --env sky.pfm --count 0 -o x.png", 1, "--count 0"},
+        {"nacre shot " MATT " --backend double --env sky.pfm --count 10000 -o x.png", 1, "1..1024, or all"},
+        {"nacre shot " MATT " --backend double --env sky.pfm --env sky.pfm -o x.png", 1, "--env"},
+        {"nacre shot " MATT " --backend double --light 0,0 --count 4 -o x.png", 1, "--env MAP"},
+        {"nacre shot " MATT " --env sky.pfm --count all -o x.png", 1, "--backend double"},
+        {"nacre shot " MATT " --env sky.pfm --point 0,0,1 -o x.png", 1, "--point"},
+        {"nacre shot " MATT " --backend double -o x.png", 1, "--env MAP.hdr"},
+        {"nacre shot " MATT " --light 0,0 --turning lights -o x.png", 1, "--turntable"},
+        {"nacre shot " MATT " --light 0,0 --turntable 4 --turning eye -o x.png", 1, "mesh or lights"},
+        {"nacre shot " MATT " --light 0,0 --point 0,0,1 --turntable 4 --turning lights -o x.png", 1, "--point"},
+        {"nacre shot " MATT " --light 0,0 --turntable 0 -o x.png", 1, "1..3600"},
+        {"nacre shot " MATT " --light 0,0 --turntable 2 -o 'x%s.png'", 1, "%03d"},
+        {"nacre shot " MATT " --light 0,0 --turntable 2 -o 'x%d%d.png'", 1, "%03d"},
+        {"nacre shot " MATT " --light 0,0 --turntable 2 -o 'x%n.png'", 1, "%03d"},
+        {"nacre shot " MATT " --backend double --light 0,0 --turntable 2 -o 'no/such/%d.png'", 2, "no/such/0.png"},
+    };
+    CHECK(list);
+    /* a warning that counts, and lights all the same */
+    shell_outcome o = shell_run("nacre bake lights negative.pfm -o x.csv");
+    assert_int_equal(o.code, 0);
+    assert_int_equal(o.lines, 1);
+    assert_non_null(strstr(o.text, "negative.pfm: 1 texels of negative radiance and 0 of NaN"));
+    assert_string_equal(shell_run("nacre bake lights negative.pfm -o x.csv --quiet").text, "");
+}
+
+static void lights_and_turns_are_what_they_say(void **state)
+{
+    (void)state;
+    write_map("sky.pfm", 8, 4, 1, 30);
+    static const char *const good[] = {
+        /* a file of lights is the environment it was made of */
+        "nacre bake lights sky.pfm --count 20 --turn 30 -o lights.csv --json j --depfile d && "
+        "nacre shot " MATT " --backend double --lights-file lights.csv -o a.png && "
+        "nacre shot " MATT " --backend double --env sky.pfm --count 20 --turn-lights 30 -o b.png && cmp a.png b.png",
+        "grep -q '\"lights\": 20' j && grep -q '^lights.csv: sky.pfm' d",
+        "nacre bake lights sky.pfm -o my-lights.c && cc -I$OLDPWD/include -std=c99 -Wall -Wextra -pedantic -Werror -c "
+        "-o l.o my-lights.c && nm l.o | grep -q my_lights_count",
+        /* frames are numbered from 0; the first is the picture without a turntable, seen from its own distance */
+        "nacre shot " MATT " --backend double --light 60,20 --turntable 3 --turning lights -o 'f%02d.png' && "
+        "nacre shot " MATT " --backend double --light 60,20 -o a.png && cmp f00.png a.png && "
+        "nacre shot " MATT " --backend double --light 60,20 --turn-lights 240 -o b.png && cmp f02.png b.png && "
+        "test ! -e f03.png",
+        "nacre shot --mesh torus --material lambert:albedo=.5 --size 16 --backend double --light 60,20 --turntable 4 "
+        "-o "
+        "t%d.png && ! cmp -s t0.png t1.png && "
+        "nacre shot --mesh torus --material lambert:albedo=.5 --size 16 --backend double --light 60,20 --turntable 2 "
+        "--turn 180 -o u%d.png && cmp t2.png u0.png && cmp t0.png u1.png",
+        "nacre shot " MATT " --backend double --light 60,20 --turntable 3 --turning lights -o spin.png && "
+        "grep -aq acTL spin.png && grep -aq fdAT spin.png",
+    };
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++) {
+        shell_outcome o = shell_run("%s", good[i]);
+        if (o.code) fail_msg("exit %d: %s\n%s", o.code, good[i], o.text);
+    }
+    shell_run("rm -f *");
+}
+
 static void a_missing_driver(void **state)
 {
     (void)state;
@@ -240,6 +340,8 @@ int main(void)
         cmocka_unit_test(bad_files),
         cmocka_unit_test(outputs_that_cannot_be_written),
         cmocka_unit_test(outputs_spare_the_input_and_come_all_or_not_at_all),
+        cmocka_unit_test(environments),
+        cmocka_unit_test(lights_and_turns_are_what_they_say),
         cmocka_unit_test(a_missing_driver),
         cmocka_unit_test(json_on_standard_output_stands_alone),
         cmocka_unit_test(a_full_disk_leaves_the_old_file_and_no_other),

@@ -99,7 +99,7 @@ static int check_size(const reader *r, long width, long height, failure *f)
 {
     if (width < 1 || height < 1)
         return fail(f, FAIL_INVALID, "%s: found a map of %ldx%ld texels, expected some", r->path, width, height);
-    if (width != 2 * height)
+    if (height > width || width != 2 * height)
         return fail(f, FAIL_INVALID,
                     "%s: found %ldx%ld texels, expected a latitude-longitude map, twice as wide as high", r->path,
                     width, height);

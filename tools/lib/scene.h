@@ -5,6 +5,7 @@
 
 #include "brdf.h"
 #include "gl_headless.h"
+#include "light_set.h"
 #include "mesh.h"
 #include "nacre.h"
 #include "progress.h"
@@ -26,6 +27,8 @@ typedef struct scene {
     double object_to_view[16], view_to_clip[16]; /* column-major */
     scene_light light[SCENE_MAX_LIGHTS];
     int light_count;
+    const light_set *distant; /* more directional lights, any number; NULL: none. Borrowed */
+    int lit_size;             /* texels a side of the lit sphere; 0: 128 where needed (GLES) */
     double exposure, ambient[3], tint[3];
     int output; /* nacre_output */
     int distant_viewer;
@@ -59,6 +62,12 @@ typedef struct scene_camera { /* zero means default */
 
 /* Set both matrices of s from its shape and size. FAIL_USAGE: eye and target coincide. */
 int scene_aim(scene *s, const scene_camera *camera, failure *f);
+
+/* The same for a mesh that turns about +y in front of a camera that stays: default framing holds it at every yaw. s shows
+   yaw 0; the camera's is left to scene_turn. */
+int scene_aim_turntable(scene *s, const scene_camera *camera, failure *f);
+/* Turn the mesh of an aimed scene about +y through its centre, before all else. */
+void scene_turn(scene *s, double yaw_deg);
 
 /* What a pixel sees of the exact sphere. */
 typedef struct scene_hit {

@@ -85,11 +85,7 @@ static scene_light *next_light(scene *s, const double power[3])
 
 void scene_add_light(scene *s, double polar_deg, double azimuth_deg, const double power[3])
 {
-    scene_light *light = next_light(s, power);
-
-    light->direction[0] = sin(polar_deg * DEGREE) * cos(azimuth_deg * DEGREE);
-    light->direction[1] = sin(polar_deg * DEGREE) * sin(azimuth_deg * DEGREE);
-    light->direction[2] = cos(polar_deg * DEGREE);
+    light_direction(polar_deg, azimuth_deg, next_light(s, power)->direction);
 }
 
 void scene_add_point(scene *s, const double position[3], const double power[3])
@@ -141,6 +137,26 @@ static void turn(double m[16], const scene_camera *camera, const double centre[3
         for (column = 0; column < 3; column++) m[4 * column + row] = rotation[3 * row + column];
         m[12 + row] = centre[row] - dot3(&rotation[3 * row], centre);
     }
+}
+
+static void mesh_centre(const scene *s, double centre[3])
+{
+    float middle[3], half[3];
+    int i;
+
+    mesh_bounds(s->shape, middle, half);
+    for (i = 0; i < 3; i++) centre[i] = s->exact_sphere ? 0 : middle[i];
+}
+
+void scene_turn(scene *s, double yaw_deg)
+{
+    const scene_camera camera = {.yaw_deg = yaw_deg};
+    double centre[3], turned[16], before[16];
+
+    mesh_centre(s, centre);
+    turn(turned, &camera, centre);
+    memcpy(before, s->object_to_view, sizeof before);
+    matrix_multiply(s->object_to_view, before, turned);
 }
 
 typedef struct extent { /* of the mesh in view space, the camera still at its centre */
@@ -235,7 +251,7 @@ int scene_aim(scene *s, const scene_camera *camera, failure *f)
     int i;
 
     mesh_bounds(s->shape, middle, half);
-    for (i = 0; i < 3; i++) centre[i] = s->exact_sphere ? 0 : middle[i];
+    mesh_centre(s, centre);
     radius = s->exact_sphere ? 1 : sqrt((double)half[0] * half[0] + half[1] * half[1] + half[2] * half[2]);
     if (!(radius > 0)) return fail(f, FAIL_INVALID, "%s: all vertices coincide, expected a mesh", s->shape->name);
     turn(turned, camera, centre);
@@ -268,6 +284,49 @@ int scene_aim(scene *s, const scene_camera *camera, failure *f)
         aim_perspective(s, e.distance, &e, tan_x, tan_y, radius);
     }
     return FAIL_NONE;
+}
+
+/* What the mesh's vertices pass through in a whole turn about its centre, by steps. */
+static mesh swept(const mesh *shape, const double centre[3])
+{
+    enum { STEPS = 24 };
+    mesh out = {.vertex_count = STEPS * shape->vertex_count};
+    int step, i, k;
+
+    out.position = need_memory((size_t)out.vertex_count, sizeof *out.position);
+    memcpy(out.name, shape->name, sizeof out.name);
+    for (step = 0; step < STEPS; step++) {
+        const scene_camera camera = {.yaw_deg = 360.0 * step / STEPS};
+        double m[16];
+        turn(m, &camera, centre);
+        for (i = 0; i < shape->vertex_count; i++) {
+            const float *p = shape->position[i];
+            const double v[4] = {p[0], p[1], p[2], 1};
+            double q[4];
+            matrix_apply(q, m, v);
+            for (k = 0; k < 3; k++) out.position[step * shape->vertex_count + i][k] = (float)q[k];
+        }
+    }
+    return out;
+}
+
+int scene_aim_turntable(scene *s, const scene_camera *camera, failure *f)
+{
+    scene_camera still = *camera;
+    const mesh *const shape = s->shape;
+    double centre[3];
+    mesh all;
+    int code;
+
+    still.yaw_deg = 0;
+    if (s->exact_sphere) return scene_aim(s, &still, f);
+    mesh_centre(s, centre);
+    all = swept(shape, centre);
+    s->shape = &all;
+    code = scene_aim(s, &still, f);
+    s->shape = shape;
+    free(all.position);
+    return code;
 }
 
 int scene_clip_to_object(const scene *s, double out[16])

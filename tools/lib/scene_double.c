@@ -81,6 +81,17 @@ static void arriving(const scene_light *light, const double at[3], double to_lig
     for (i = 0; i < 3; i++) power[i] = scale * fmax(light->power[i], 0);
 }
 
+static void add_light(const frame *r, double axes[3][3], const double eye[3], const double to_light[3],
+                      const double power[3], double radiance[3])
+{
+    double light[3], f_cos[3];
+    int i;
+
+    local(light, axes, to_light);
+    if (!brdf_eval_cosine(r->b, light, eye, f_cos)) return;
+    for (i = 0; i < 3; i++) radiance[i] += f_cos[i] * power[i];
+}
+
 static void reflected(const frame *r, const seen *p, const double normal[3], double radiance[3])
 {
     double axes[3][3], to_eye[3], eye[3];
@@ -94,11 +105,13 @@ static void reflected(const frame *r, const seen *p, const double normal[3], dou
     normalise3(eye);
     memcpy(radiance, r->ambient, 3 * sizeof *radiance);
     for (k = 0; k < r->s->light_count; k++) {
-        double to_light[3], light[3], power[3], f_cos[3];
+        double to_light[3], power[3];
         arriving(&r->s->light[k], p->view, to_light, power);
-        local(light, axes, to_light);
-        if (brdf_eval_cosine(r->b, light, eye, f_cos))
-            for (i = 0; i < 3; i++) radiance[i] += f_cos[i] * power[i];
+        add_light(r, axes, eye, to_light, power, radiance);
+    }
+    for (k = 0; r->s->distant && k < r->s->distant->count; k++) {
+        const distant_light *light = &r->s->distant->light[k];
+        add_light(r, axes, eye, light->direction, light->irradiance, radiance);
     }
 }
 

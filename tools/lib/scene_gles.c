@@ -377,6 +377,8 @@ int scene_gles_draw(scene_gles *g, const scene *s, const nacre_material *materia
 
     if (s->width != g->width || s->height != g->height)
         return fail(f, FAIL_INTERNAL, "scene of %dx%d in a context of %dx%d", s->width, s->height, g->width, g->height);
+    if (s->distant)
+        return fail(f, FAIL_UNSUPPORTED, "more than %d lights: expected --backend double", SCENE_MAX_LIGHTS);
     g->log[0] = 0;
     if (k != 1) {
         position = need_memory((size_t)shape.vertex_count, sizeof *position);
