@@ -49,8 +49,8 @@ shell_outcome shell_run(const char *format, ...)
     va_start(args, format);
     vsnprintf(arguments, sizeof arguments, format, args);
     va_end(args);
-    snprintf(command, sizeof command, "cd %s && nacre() { '%s' \"$@\"; } && { %s; } 2>&1 >/dev/null", directory, tool,
-             arguments);
+    snprintf(command, sizeof command, "cd %s && tool='%s' && nacre() { \"$tool\" \"$@\"; } && { %s; } 2>&1 >/dev/null",
+             directory, tool, arguments);
     pipe = popen(command, "r");
     assert_non_null(pipe);
     got = fread(o.text, 1, sizeof o.text - 1, pipe);
@@ -61,21 +61,24 @@ shell_outcome shell_run(const char *format, ...)
     return o;
 }
 
+const char *shell_path(const char *name)
+{
+    static char path[4][300];
+    static int next;
+    char *out = path[next++ % 4];
+
+    snprintf(out, sizeof path[0], "%s/%s", directory, name);
+    return out;
+}
+
 static FILE *open_in_directory(const char *name, const char *mode)
 {
-    char path[256];
-
-    snprintf(path, sizeof path, "%s/%s", directory, name);
-    return fopen(path, mode);
+    return fopen(shell_path(name), mode);
 }
 
 int shell_exists(const char *name)
 {
-    char path[256];
-    struct stat status;
-
-    snprintf(path, sizeof path, "%s/%s", directory, name);
-    return stat(path, &status) == 0;
+    return access(shell_path(name), F_OK) == 0;
 }
 
 int shell_files(void)

@@ -15,11 +15,13 @@ typedef struct shell_outcome {
 int shell_begin(void **state);
 int shell_end(void **state);
 
-/* Run commands in the directory; `nacre` in them is the program. Standard output is dropped. */
+/* Run commands in the directory; `nacre` in them is the program, "$tool" its path. Standard output is dropped. */
 shell_outcome shell_run(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 int shell_exists(const char *name);
 int shell_files(void); /* in the directory */
+/* For what runs in the test itself. Good until the fourth call after. */
+const char *shell_path(const char *name);
 void shell_write(const char *name, const void *data, size_t size);
 /* A file whole, with a NUL behind it; malloc'd. */
 char *shell_read(const char *name);

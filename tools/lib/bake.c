@@ -179,7 +179,7 @@ int bake_parse(bake_request *out, int argc, char **argv, const option *common, s
     char usage[160];
     int operands;
     size_t count = r.kind->options(&r, rows);
-    memcpy(rows + count, common, common_count * sizeof *rows);
+    if (common_count) memcpy(rows + count, common, common_count * sizeof *rows);
     snprintf(usage, sizeof usage, "nacre bake %s BRDF -o F.ktx2 [options]", r.kind->name);
     int code = options_parse(argc, argv, usage, rows, count + common_count, &r.brdf, &operands, 1, 1, f);
     if (code || (code = r.kind->check(&r, f))) return code;

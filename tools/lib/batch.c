@@ -117,6 +117,20 @@ static int compare(const run *r, const manifest_item *item, const bytes *file, d
     return code;
 }
 
+/* The asset comes last: a record that is not of the asset beside it asks for a new bake. */
+static int write_both(const manifest_item *item, const bytes *file, const char *path, batch_record *record,
+                      const char *record_path, failure *f)
+{
+    content *c = content_begin();
+    content_add(c, file->data, file->size);
+    content_end(c, record->content);
+    int code = batch_record_write(record, item, record_path, f);
+    if (code) return code;
+    code = output_write(path, file, f);
+    if (code) output_discard(record_path);
+    return code;
+}
+
 static int bake(run *r, const manifest_item *item, const char *source, const char *path, const char *record_path,
                 batch_record *record, failure *f)
 {
@@ -129,12 +143,9 @@ static int bake(run *r, const manifest_item *item, const char *source, const cha
     if (!(code = compare(r, item, &baked.file, record->figure, f))) code = brdf_content(item, now, f);
     if (!code && strcmp(now, source))
         code = fail(f, FAIL_IO, "%s: changed while it was read, expected a file at rest", item->brdf);
-    if (!code) code = output_write(path, &baked.file, f);
-    content *c = content_begin();
-    content_add(c, baked.file.data, baked.file.size);
-    content_end(c, record->content);
+    if (!code) code = write_both(item, &baked.file, path, record, record_path, f);
     bake_free(&baked);
-    return code ? code : batch_record_write(record, item, record_path, f);
+    return code;
 }
 
 static int process(run *r, batch_result *out, const char *path, const char *record_path, failure *f)

@@ -58,8 +58,8 @@ typedef struct batch {
 
 /* Every material gives OUTPUT and OUTPUT.json: its figures and the fingerprints of what it was made of (this program, the backend, kind,
    options, the BRDF's name and its file's content) and of OUTPUT. A material whose fingerprints are all still right is up to
-   date. Both files appear whole or not at all, the second one last. A material that fails is told to standard error in one
-   line and leaves its files as they were.
+   date. Each file appears whole or not at all. A material that fails is told to standard error in one line; its files stay as
+   they were.
    FAIL_IO: the directory can't be made. FAIL_INVALID: a BRDF is one of the outputs. Free with batch_free. m must stay. */
 int batch_run(batch *out, const manifest *m, const batch_options *options, failure *f);
 void batch_free(batch *b);

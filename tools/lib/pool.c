@@ -29,12 +29,16 @@ typedef struct worker {
     int from;  /* reads the indices it has finished */
 } worker;
 
+static const int stopping[] = {SIGINT, SIGTERM, SIGHUP};
+enum { STOPPING = sizeof stopping / sizeof *stopping };
+
 typedef struct crew {
     const pool *pool;
     int count;
     board *shared;
     char *finished; /* by index */
     worker worker[MAX_JOBS];
+    struct sigaction before[STOPPING]; /* what the caller does at these signals */
 } crew;
 
 static volatile sig_atomic_t stop_signal;
@@ -44,8 +48,21 @@ static void on_signal(int number)
     stop_signal = number;
 }
 
-static const int stopping[] = {SIGINT, SIGTERM, SIGHUP};
-enum { STOPPING = sizeof stopping / sizeof *stopping };
+/* Ignored ones stay so: nohup and shells ask for that. */
+static void catch_signals(crew *c)
+{
+    struct sigaction act = {.sa_handler = on_signal};
+    stop_signal = 0;
+    for (int i = 0; i < STOPPING; i++) {
+        sigaction(stopping[i], NULL, &c->before[i]);
+        if (c->before[i].sa_handler != SIG_IGN) sigaction(stopping[i], &act, NULL);
+    }
+}
+
+static void release_signals(const crew *c)
+{
+    for (int i = 0; i < STOPPING; i++) sigaction(stopping[i], &c->before[i], NULL);
+}
 
 void *pool_memory(size_t size)
 {
@@ -64,7 +81,7 @@ void pool_memory_free(void *memory, size_t size)
 static _Noreturn void serve(const crew *c, int slot, int to, pid_t parent)
 {
     const pool *p = c->pool;
-    for (int i = 0; i < STOPPING; i++) signal(stopping[i], SIG_DFL);
+    release_signals(c);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (getppid() != parent) _exit(0);
     omp_set_num_threads(p->threads);
@@ -176,18 +193,16 @@ static void end_all(crew *c)
 
 int pool_run(const pool *p, int count)
 {
-    struct sigaction act = {.sa_handler = on_signal}, before[STOPPING];
     crew c = {.pool = p, .count = count};
     c.shared = pool_memory(sizeof *c.shared);
     c.finished = need_memory((size_t)count, 1);
     memset(c.finished, 0, (size_t)count);
-    stop_signal = 0;
-    for (int i = 0; i < STOPPING; i++) sigaction(stopping[i], &act, &before[i]);
+    catch_signals(&c);
     for (int i = 0; i < p->jobs && i < count; i++) start(&c, i);
     watch(&c);
     finish(&c);
     end_all(&c);
-    for (int i = 0; i < STOPPING; i++) sigaction(stopping[i], &before[i], NULL);
+    release_signals(&c);
     free(c.finished);
     pool_memory_free(c.shared, sizeof *c.shared);
     return stop_signal;
