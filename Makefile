@@ -45,10 +45,11 @@ JOBS := $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null || echo 2))
 SUBMAKE = $(MAKE) --no-print-directory
 
 # ---- rooms: each is built with -I for exactly the rooms it may include ---------------------------
-ROOMS := fx asset shade gles
+ROOMS := fx asset shade soft gles
 INC_fx := -Iinclude -Isrc/fx
 INC_asset := -Iinclude -Isrc/asset -Isrc/fx
-INC_shade := -Iinclude -Isrc/shade -Isrc/fx
+INC_shade := -Iinclude -Isrc/shade -Isrc/fx -Isrc/asset
+INC_soft := -Iinclude -Isrc/soft -Isrc/fx -Isrc/asset -Isrc/shade
 INC_gles := -Iinclude -Isrc/gles -Isrc/fx -Isrc/asset -Isrc/shade
 INC_tools_lib := -Iinclude -Isrc/fx -Isrc/shade -Isrc/asset -Itools/lib -isystem tools/vendor/stb
 INC_tools := -Iinclude -Isrc/fx -Isrc/shade -Isrc/asset -Itools/lib -Itools

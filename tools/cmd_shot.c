@@ -12,8 +12,8 @@
 #include "shot_lights.h"
 #include "turntable.h"
 
-enum { BACKEND_DOUBLE = GL_BACKEND_COUNT, BACKEND_COUNT };
-static const char *const backend_names[BACKEND_COUNT] = {"egl2", "egl3", "osmesa", "double"};
+enum { BACKEND_SOFT = GL_BACKEND_COUNT, BACKEND_DOUBLE, BACKEND_COUNT };
+static const char *const backend_names[BACKEND_COUNT] = {"egl2", "egl3", "osmesa", "soft", "double"};
 static const char *const output_names[] = {"srgb", "sqrt", "linear"}; /* in the order of nacre_output */
 
 typedef struct shot {
@@ -202,6 +202,8 @@ static int draw(shot *t, image_u8 *picture, failure *f)
 
     if (t->gles)
         code = scene_gles_draw(t->gles, &t->s, &m->material, &frame, f);
+    else if (t->backend == BACKEND_SOFT)
+        code = scene_draw_soft(&t->s, &m->material, &frame, f);
     else
         code = scene_draw_double(&t->s, m->reflectance, m->has_albedo ? m->albedo : NULL,
                                  m->normal_map.texel ? &m->normal_map : NULL, &frame, f);
@@ -248,7 +250,7 @@ static int draw_all(shot *t, failure *f)
 {
     int code = shot_lights_open(&t->lights, &t->s, f);
 
-    if (!code && t->backend != BACKEND_DOUBLE)
+    if (!code && t->backend < GL_BACKEND_COUNT)
         code = scene_gles_open(&t->gles, (gl_backend)t->backend, t->s.width, t->s.height, f);
     if (code) return code;
     code = t->table.frames ? draw_turn(t, f) : draw_one(t, f);
@@ -284,7 +286,8 @@ int cmd_shot(int argc, char **argv, failure *f)
         {"--size", OPTION_TEXTS, &t.size, 0, 0, "WxH", "pixels, 1..4096 a side (512x512)"},
         {"--samples", OPTION_INT, &t.samples, 1, 8, "N", "anti-aliasing: mean of N x N per pixel, in linear light (1)"},
         {"--backend", OPTION_TEXTS, &t.backend_name, 0, 0, "NAME",
-         "egl2, egl3, osmesa (OpenGL), or double: the reference, which evaluates a BRDF exactly (egl2)"},
+         "egl2, egl3, osmesa (OpenGL), soft (this CPU, in integers), or double: the reference, which evaluates a BRDF "
+         "exactly (egl2)"},
         {"--threads", OPTION_INT, &t.threads, 1, 256, "N", "(all cores) the picture does not depend on it"},
         {"--quiet", OPTION_FLAG, &t.meter.quiet, 0, 0, NULL, "no progress line"},
         {"-o", OPTION_TEXT, &t.output_path, 0, 0, "FILE.png",

@@ -57,6 +57,9 @@ uint32_t fx_atan2(int64_t y, int64_t x);
 /* a / b to nearest, b != 0; saturates at +-INT64_MAX. Set-up only: many targets have no divider. */
 int64_t fx_div(int64_t a, int64_t b);
 
+/* 2^62 / x for x with its highest bit set: 2^30 .. 2^31. worst relative 2^-29. Set-up only. */
+uint32_t fx_reciprocal(uint32_t x);
+
 /* v scaled to length 1 in q28; 0 and v untouched if it has no length. |v| < 2^60 per part. worst 1 ulp per part. */
 int fx_normalize_q28(const int64_t v[3], int32_t out[3]);
 

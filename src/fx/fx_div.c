@@ -38,3 +38,12 @@ int32_t fx_dot_q28(const int32_t a[3], const int32_t b[3])
 {
     return (int32_t)fx_shift((int64_t)a[0] * b[0] + (int64_t)a[1] * b[1] + (int64_t)a[2] * b[2], 28);
 }
+
+uint32_t fx_reciprocal(uint32_t x)
+{
+    /* 17 bits by division, the others by one step of Newton's method */
+    const uint64_t first = (uint64_t)(0xFFFFFFFFu / (x >> 16)) << 14;
+    const int64_t error = (int64_t)(((uint64_t)1 << 62) - first * x);
+
+    return (uint32_t)((int64_t)first + (((error >> 31) * (int64_t)first) >> 31));
+}

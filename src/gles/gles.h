@@ -149,12 +149,6 @@ nacre_result gles_gl_failed(nacre_gles *gles, const char *what);
 nacre_result gles_start(nacre_gles *gles);
 void gles_delete_all(nacre_gles *gles);
 
-/* material.c */
-/* Decode and check what the files say: ERR_ARGUMENT, ERR_ASSET. */
-nacre_result gles_material_read(shade_material *out, const nacre_material *material);
-/* The role a model's own image has, -1: no such model. */
-int gles_model_role(nacre_model model);
-
 /* item.c */
 /* NULL for ids that were never given out or are removed. */
 gles_item *gles_item_find(nacre_gles *gles, nacre_gles_item id);

@@ -238,7 +238,7 @@ static nacre_result check_buffers(const nacre_gles *gles, const nacre_gles_buffe
 static nacre_result open_item(nacre_gles *gles, const nacre_material *material, gles_item **out)
 {
     shade_material decoded;
-    const nacre_result result = gles_material_read(&decoded, material);
+    const nacre_result result = shade_material_read(&decoded, material);
     gles_item *item;
     unsigned role;
     if (result) return result;
@@ -246,7 +246,7 @@ static nacre_result open_item(nacre_gles *gles, const nacre_material *material, 
     item = free_item(gles);
     if (!item) return gles_fail(gles, NACRE_ERR_BUDGET, "max_items", NULL);
     item->material = decoded;
-    role = (unsigned)gles_model_role(material->model);
+    role = (unsigned)shade_model_role(material->model);
     item->image[role] = material->image[role];
     item->image[NACRE_ROLE_NORMAL] = material->image[NACRE_ROLE_NORMAL];
     item->image[NACRE_ROLE_MASK] = material->image[NACRE_ROLE_MASK];

@@ -44,6 +44,13 @@ typedef struct shade_material {
     } is;
 } shade_material;
 
+/* Role of the image that holds a model's reflectance; -1: no such model. */
+int shade_model_role(nacre_model model);
+
+/* The files of a material, checked. NACRE_ERR_ARGUMENT: no image for the model. NACRE_ERR_ASSET: an image that does not
+   hold what its role says. */
+nacre_result shade_material_read(shade_material *out, const nacre_material *material);
+
 /* What the light factors of a frame multiply: follows from the program (gles_key_form). */
 /* Tables in SHADE_SRGB take the logarithm of n.l, not below 2^-14. So that the unlit side stays dark, n.l is multiplied by
    2^lift and factor holds the inverse. dist: no more than needed, for fp16 is exact near log2 = 0. */

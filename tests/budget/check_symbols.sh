@@ -15,12 +15,12 @@ if [ -d "$build/m0" ]; then
     allowed='^(memcpy|memset|memcmp|__aeabi_(memcpy|memset|memclr)[48]?|__aeabi_(lmul|llsl|llsr|lasr)|__clz[sd]i2|__gnu_thumb1_case_.*)$'
     division='^__aeabi_(u?i|u?l)div(mod)?$'
     own=$(arm-none-eabi-nm --defined-only "$build"/m0/*/*.o | awk 'NF == 3 { print $3 }' | sort -u)
-    for o in "$build"/m0/fx/*.o "$build"/m0/asset/*.o "$build"/m0/shade/*.o; do
+    for o in "$build"/m0/fx/*.o "$build"/m0/asset/*.o "$build"/m0/shade/*.o "$build"/m0/soft/*.o; do
         for s in $(arm-none-eabi-nm -u "$o" | awk '{ print $2 }'); do
             echo "$own" | grep -qx "$s" && continue
             echo "$s" | grep -Eq "$allowed" && continue
             case $o in
-            */fx_div.o | */setup.o) echo "$s" | grep -Eq "$division" && continue ;;
+            */fx_div.o | */setup.o | */transform.o | */soft/prepare.o | */soft/context.o) echo "$s" | grep -Eq "$division" && continue ;;
             esac
             complain "$o calls $s"
         done
@@ -32,7 +32,7 @@ fi
 for s in $(nm -u "$build"/release/libnacre.a | awk '$1 == "U" { print $2 }' | sort -u); do
     case $s in
     memcpy | memset | memcmp | _GLOBAL_OFFSET_TABLE_ | __stack_chk_fail) ;;
-    nacre_* | fx_* | asset_* | shade_* | gles_* | embedded_*) ;;
+    nacre_* | fx_* | asset_* | shade_* | soft_* | gles_* | embedded_*) ;;
     *) complain "the runtime calls $s" ;;
     esac
 done

@@ -7,7 +7,7 @@ set -eu
 build=$1
 arm=$2
 lib=$3
-rooms="fx asset shade gles"
+rooms="fx asset shade soft gles"
 size=${arm%gcc}size
 out=$build/sizes.csv
 
@@ -15,7 +15,8 @@ includes() {
     case $1 in
     fx) echo "-Iinclude -Isrc/fx" ;;
     asset) echo "-Iinclude -Isrc/asset -Isrc/fx" ;;
-    shade) echo "-Iinclude -Isrc/shade -Isrc/fx" ;;
+    shade) echo "-Iinclude -Isrc/shade -Isrc/fx -Isrc/asset" ;;
+    soft) echo "-Iinclude -Isrc/soft -Isrc/fx -Isrc/asset -Isrc/shade" ;;
     gles) echo "-Iinclude -Isrc/gles -Isrc/fx -Isrc/asset -Isrc/shade" ;;
     esac
 }

@@ -54,6 +54,16 @@ static void table(const char *name, const char *comment, double (*f)(double), in
     printf("};\n");
 }
 
+/* For unit vectors that must not come out too long. */
+static void unit_table(void)
+{
+    int i;
+
+    printf("\n/* 2^11 / sqrt of (i + 1/2) / 256, below 1/4 of (i + 1) / 256 */\nconst uint16_t shade_lut_unit[256] = {");
+    for (i = 0; i < 256; i++) printf("%ld, ", lrint(2048 / sqrt((i + (i < 64 ? 1 : 0.5)) / 256)));
+    printf("};\n");
+}
+
 int main(void)
 {
     printf("/* SPDX-License-Identifier: MIT */\n/* Written by tools/gen/eval_lut.c. */\n#include \"eval_inner.h\"\n");
@@ -61,5 +71,6 @@ int main(void)
     table("shade_lut_root48", "4.8th root of 2^-14..1.5", root48_of, 9, 14, 8, 5, ldexp(1, 23));
     table("shade_lut_srgb", "sRGB code x 128 of 2^-13..1", srgb_of, 3, 13, 8, 1, 65536);
     table("shade_lut_inverse_root", "1 / sqrt of 1..4", inverse_root_of, 0, 2, 16, 0, 1);
+    unit_table();
     return 0;
 }

@@ -109,6 +109,15 @@ const char *scene_gles_description(const scene_gles *g);
 int scene_gles_mediump_is_half(scene_gles *g); /* fp16, as on small GPUs; draws a probe */
 void scene_gles_close(scene_gles *g);
 
+/* ---- scene_soft.c -------------------------------------------------------------------------------------------- */
+
+/* The same by nacre_soft, on all threads. FAIL_UNSUPPORTED: a material or light that it can't draw. */
+int scene_draw_soft(const scene *s, const nacre_material *material, image_u8 *out, failure *f);
+
+/* Inner loops by name: portable, avx2, best (what this CPU has); NULL: none of that name here. */
+struct nacre_soft_kernels;
+const struct nacre_soft_kernels *scene_soft_kernels(const char *name);
+
 /* ---- scene_material.c ---------------------------------------------------------------------------------------- */
 
 /* A material by name, for either renderer. */

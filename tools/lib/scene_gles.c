@@ -12,6 +12,7 @@
 
 #include "gl_probe.h"
 #include "nacre_gles.h"
+#include "scene_numbers.h"
 
 /* The few GL values used here; the entry points come from the context like the runtime's own. */
 #define GL_ARRAY_BUFFER         0x8892u
@@ -133,61 +134,6 @@ int scene_gles_mediump_is_half(scene_gles *g)
 const char *scene_gles_description(const scene_gles *g)
 {
     return gl_headless_description(g->context);
-}
-
-/* ---- the scene in the runtime's numbers ------------------------------------------------------------------------ */
-
-static nacre_q16 q16(double x)
-{
-    double y = x * 65536;
-
-    return y >= INT32_MAX ? INT32_MAX : y <= INT32_MIN ? INT32_MIN : (nacre_q16)lrint(y);
-}
-
-static nacre_rgb rgb(const double x[3])
-{
-    nacre_rgb out = {q16(x[0]), q16(x[1]), q16(x[2])};
-
-    return out;
-}
-
-static nacre_mat4 mat4(const double m[16])
-{
-    nacre_mat4 out;
-    int i;
-
-    for (i = 0; i < 16; i++) out.m[i] = q16(m[i]);
-    return out;
-}
-
-static void set_light(nacre_light *out, const scene_light *light)
-{
-    int i;
-
-    *out = (nacre_light){.type = light->point ? NACRE_LIGHT_POINT : NACRE_LIGHT_DIRECTIONAL};
-    out->direction.x = (nacre_q14)lrint(light->direction[0] * 16384);
-    out->direction.y = (nacre_q14)lrint(light->direction[1] * 16384);
-    out->direction.z = (nacre_q14)lrint(light->direction[2] * 16384);
-    for (i = 0; i < 3; i++) out->position[i] = q16(light->position[i]);
-    out->power = rgb(light->power);
-    out->shadow = (nacre_q14)lrint(light->shadow * 16384);
-}
-
-static void set_view(nacre_view *view, nacre_light lights[SCENE_MAX_LIGHTS], const scene *s)
-{
-    int i;
-
-    *view = (nacre_view){.lights = lights, .light_count = (uint8_t)s->light_count, .output = (uint8_t)s->output};
-    view->object_to_view = mat4(s->object_to_view);
-    view->view_to_clip = mat4(s->view_to_clip);
-    view->distant_viewer = s->distant_viewer != 0;
-    view->exposure = q16(s->exposure);
-    view->ambient = rgb(s->ambient);
-    view->tint = rgb(s->tint);
-    /* 0 means 1 to the runtime; the smallest number stands for none. */
-    if (!view->exposure) view->exposure = 1;
-    if (!view->tint.r && !view->tint.g && !view->tint.b) view->tint.r = view->tint.g = view->tint.b = 1;
-    for (i = 0; i < s->light_count; i++) set_light(&lights[i], &s->light[i]);
 }
 
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
@@ -326,70 +272,21 @@ static int draw_sphere(scene_gles *g, const scene *s, const nacre_material *mate
 
 /* ---- the shot ---------------------------------------------------------------------------------------------------- */
 
-/* The runtime's q16 numbers are exact to 1.5e-5: a mesh of millimetres, or of kilometres, is drawn scaled to about
-   one unit, its camera and point lights with it. The picture is the same. */
-static double unit_scale(const mesh *m)
-{
-    float centre[3], half[3];
-    double largest = 0;
-    int i;
-
-    mesh_bounds(m, centre, half);
-    for (i = 0; i < 3; i++) largest = fmax(largest, fmax(half[i], fabs(centre[i]) / 16));
-    return largest > 0 && (largest < 0.5 || largest > 16) ? 1 / largest : 1;
-}
-
-static void scale_view(scene *s, double k)
-{
-    double *p = s->view_to_clip;
-    int i, c, perspective = p[3] != 0 || p[7] != 0 || p[11] != 0;
-
-    for (i = 12; i < 15; i++) s->object_to_view[i] *= k;
-    /* P diag(1/k) gives the same clip coordinates; a perspective one may then be multiplied by k as a whole. */
-    for (i = 0; i < 12 && !perspective; i++) p[i] /= k;
-    for (i = 12; i < 16 && perspective; i++) p[i] *= k;
-    for (i = 0; i < s->light_count; i++) {
-        if (!s->light[i].point) continue;
-        for (c = 0; c < 3; c++) {
-            s->light[i].position[c] *= k;
-            s->light[i].power[c] *= k * k;
-        }
-    }
-}
-
-static int draw_scaled(scene_gles *g, const scene *s, const nacre_material *material, failure *f)
-{
-    nacre_light lights[SCENE_MAX_LIGHTS];
-    nacre_view view;
-
-    set_view(&view, lights, s);
-    gl_headless_clear(g->context, 0, 0, 0, 0);
-    return s->exact_sphere ? draw_sphere(g, s, material, &view, f) : draw_mesh(g, s, material, &view, f);
-}
-
 int scene_gles_draw(scene_gles *g, const scene *s, const nacre_material *material, image_u8 *out, failure *f)
 {
-    scene scaled = *s;
-    mesh shape = *s->shape;
-    float(*position)[3] = NULL;
-    double k = s->exact_sphere ? 1 : unit_scale(s->shape);
-    int i, c, code;
+    scene_numbers numbers;
+    int code;
 
     if (s->width != g->width || s->height != g->height)
         return fail(f, FAIL_INTERNAL, "scene of %dx%d in a context of %dx%d", s->width, s->height, g->width, g->height);
     if (s->distant)
         return fail(f, FAIL_UNSUPPORTED, "more than %d lights: expected --backend double", SCENE_MAX_LIGHTS);
     g->log[0] = 0;
-    if (k != 1) {
-        position = need_memory((size_t)shape.vertex_count, sizeof *position);
-        for (i = 0; i < shape.vertex_count; i++)
-            for (c = 0; c < 3; c++) position[i][c] = (float)(shape.position[i][c] * k);
-        shape.position = position;
-        scaled.shape = &shape;
-        scale_view(&scaled, k);
-    }
-    code = draw_scaled(g, &scaled, material, f);
-    free(position);
+    scene_numbers_open(&numbers, s);
+    gl_headless_clear(g->context, 0, 0, 0, 0);
+    code = s->exact_sphere ? draw_sphere(g, &numbers.scaled, material, &numbers.view, f)
+                           : draw_mesh(g, &numbers.scaled, material, &numbers.view, f);
+    scene_numbers_close(&numbers);
     if (!code) gl_headless_read(g->context, out);
     return code;
 }

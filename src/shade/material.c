@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the files of a material say, checked and decoded. */
-#include "gles.h"
+#include "shade.h"
 
 #include <string.h>
 
@@ -79,15 +79,15 @@ static nacre_result check_mask(const nacre_image *image)
                : NACRE_ERR_ASSET;
 }
 
-int gles_model_role(nacre_model model)
+int shade_model_role(nacre_model model)
 {
     if (model == NACRE_MODEL_TABLE) return NACRE_ROLE_TABLE;
     return model == NACRE_MODEL_SPHERES ? NACRE_ROLE_SPHERES : -1;
 }
 
-nacre_result gles_material_read(shade_material *out, const nacre_material *material)
+nacre_result shade_material_read(shade_material *out, const nacre_material *material)
 {
-    const int role = material ? gles_model_role(material->model) : -1;
+    const int role = material ? shade_model_role(material->model) : -1;
     const nacre_image *image = role < 0 ? NULL : material->image[role];
     nacre_result result;
     if (!image) return NACRE_ERR_ARGUMENT;

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* One band: its triangles into depth and normals, those into pixels. */
+#include "soft.h"
+
+#include <string.h>
+
+typedef struct drawing {
+    const nacre_soft *soft;
+    soft_pixels pixels;
+} drawing;
+
+static void fill(const drawing *d, unsigned item_index, const soft_vertex *a, const soft_vertex *b,
+                 const soft_vertex *c)
+{
+    soft_triangle t;
+
+    if (soft_triangle_set(&t, a, b, c, &d->pixels)) d->soft->desc.kernels->fill(&t, &d->pixels, item_index);
+}
+
+static void fill_clipped(const drawing *d, const soft_item *item, unsigned item_index, const uint32_t index[3])
+{
+    soft_vertex corner[SOFT_MOST_CORNERS];
+    const int count = soft_clip(d->soft, item, index, corner);
+    int32_t y0, y1;
+    int i;
+
+    for (i = 2; i < count; i++)
+        if (soft_triangle_rows(&corner[0], &corner[i - 1], &corner[i], item->cull, d->soft->desc.height, &y0, &y1))
+            fill(d, item_index, &corner[0], &corner[i - 1], &corner[i]);
+}
+
+static void draw_triangle(void *user, const soft_item *item, unsigned item_index, const uint32_t index[3])
+{
+    const drawing *const d = user;
+    const soft_vertex *const v = d->soft->vertex + item->first_vertex;
+    const soft_vertex *const a = &v[index[0]], *const b = &v[index[1]], *const c = &v[index[2]];
+    int32_t y0, y1;
+
+    if (a->z == SOFT_OUTSIDE || b->z == SOFT_OUTSIDE || c->z == SOFT_OUTSIDE)
+        fill_clipped(d, item, item_index, index);
+    else if (d->soft->sorted || soft_triangle_rows(a, b, c, item->cull, d->soft->desc.height, &y0, &y1))
+        fill(d, item_index, a, b, c);
+}
+
+static uint8_t *take(uint8_t **at, size_t bytes)
+{
+    uint8_t *const out = *at;
+
+    *at += (bytes + 15) / 16 * 16;
+    return out;
+}
+
+size_t nacre_soft_scratch_size(const nacre_soft_desc *desc)
+{
+    size_t pixels;
+
+    if (!nacre_soft_size(desc)) return 0;
+    pixels = (size_t)desc->width * (desc->band_rows ? desc->band_rows : 8);
+    return pixels * 9 + 4 * 16 + 64; /* 16: alignment; 64: what SIMD kernels may touch beyond the end */
+}
+
+static void set_pixels(soft_pixels *out, const nacre_soft *soft, int y0, int y1, void *scratch)
+{
+    const size_t count = (size_t)(y1 - y0) * soft->desc.width;
+    uint8_t *at = scratch;
+
+    at += (16 - ((uintptr_t)at & 15)) & 15;
+    out->xy = (uint32_t *)(void *)take(&at, count * 4);
+    out->depth = (uint16_t *)(void *)take(&at, count * 2);
+    out->z = (int16_t *)(void *)take(&at, count * 2);
+    out->item = take(&at, count);
+    out->stride = soft->desc.width;
+    out->row0 = y0;
+    out->x0 = soft->scissor[0];
+    out->x1 = soft->scissor[2];
+    memset(out->xy, 0x80, count * 4);
+    memset(out->depth, 0xFF, count * 2);
+}
+
+nacre_result nacre_soft_band(const nacre_soft *soft, int y0, int y1, void *scratch, size_t size, void *pixels,
+                             size_t stride)
+{
+    const unsigned bytes = soft ? soft_pixel_bytes(soft->desc.format) : 1;
+    drawing d;
+    int y;
+
+    if (!soft || !scratch || !pixels || y0 < 0 || y1 > soft->desc.height || y0 >= y1 ||
+        y1 - y0 > soft->desc.band_rows || ((uintptr_t)pixels | stride) & (bytes - 1) ||
+        stride < bytes * (size_t)soft->desc.width)
+        return NACRE_ERR_ARGUMENT;
+    if (size < nacre_soft_scratch_size(&soft->desc)) return NACRE_ERR_MEMORY;
+    d.soft = soft;
+    set_pixels(&d.pixels, soft, y0, y1, scratch);
+    if (y0 < soft->scissor[1]) y0 = soft->scissor[1];
+    if (y1 > soft->scissor[3]) y1 = soft->scissor[3];
+    for (y = y0; y < y1; y = d.pixels.y1) { /* band by band: every triangle is listed in each it touches */
+        const int end = (int)((soft_band_of(soft, y) + 1) * soft->desc.band_rows);
+
+        d.pixels.y0 = y;
+        d.pixels.y1 = end < y1 ? end : y1;
+        soft_each_triangle(soft, soft_band_of(soft, y), draw_triangle, &d);
+    }
+    for (y = y0; y < y1; y++)
+        soft_shade_row(soft, &d.pixels, y, (uint8_t *)pixels + (size_t)(y - d.pixels.row0) * stride);
+    return NACRE_OK;
+}
+
+nacre_result nacre_soft_frame(const nacre_soft *soft, void *scratch, size_t size, void *pixels, size_t stride)
+{
+    nacre_result r = soft ? NACRE_OK : NACRE_ERR_ARGUMENT;
+    int y;
+
+    for (y = 0; !r && y < soft->desc.height; y += soft->desc.band_rows) {
+        const int end = y + soft->desc.band_rows > soft->desc.height ? soft->desc.height : y + soft->desc.band_rows;
+
+        if (end <= soft->scissor[1] || y >= soft->scissor[3]) continue;
+        r = nacre_soft_band(soft, y, end, scratch, size, pixels ? (uint8_t *)pixels + (size_t)y * stride : pixels,
+                            stride);
+    }
+    return r;
+}
+
+int nacre_soft_bands(const nacre_soft *soft, void *scratch, size_t size, void *first, void *second, size_t stride,
+                     nacre_soft_ready *ready, void *user)
+{
+    int y, odd = 0, r = soft && ready ? 0 : NACRE_ERR_ARGUMENT;
+
+    for (y = 0; !r && y < soft->desc.height; y += soft->desc.band_rows) {
+        const int end = y + soft->desc.band_rows > soft->desc.height ? soft->desc.height : y + soft->desc.band_rows;
+        void *const to = odd && second ? second : first;
+
+        if (end <= soft->scissor[1] || y >= soft->scissor[3]) continue;
+        r = nacre_soft_band(soft, y, end, scratch, size, to, stride);
+        if (!r) r = ready(user, y, end, to, stride);
+        odd = !odd;
+    }
+    return r;
+}

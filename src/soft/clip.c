@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/* Triangles that leave the frustum: Sutherland and Hodgman 1974, in homogeneous coordinates. */
+#include "soft.h"
+
+typedef struct corner {
+    int32_t clip[4];
+    int16_t normal[3];
+} corner;
+
+enum { PLANES = 7 };
+
+/* Not below 0 inside. The last one keeps w positive whatever the matrix is. */
+static int64_t distance(const int32_t clip[4], int plane)
+{
+    const int64_t w = clip[3];
+
+    switch (plane) {
+    case 0:
+        return w + clip[2];
+    case 1:
+        return w - clip[2];
+    case 2:
+        return 4 * w + clip[0];
+    case 3:
+        return 4 * w - clip[0];
+    case 4:
+        return 4 * w + clip[1];
+    case 5:
+        return 4 * w - clip[1];
+    default:
+        return w - 16;
+    }
+}
+
+/* Where the way from inside to outside meets the plane: from the same end for both triangles at an edge. */
+static void cross(corner *out, const corner *in, const corner *beyond, int64_t d_in, int64_t d_beyond)
+{
+    const int64_t part_q30 = fx_div(d_in * 65536, fx_shift(d_in - d_beyond, 14));
+    int i;
+
+    for (i = 0; i < 4; i++)
+        out->clip[i] = in->clip[i] + (int32_t)fx_shift(((int64_t)beyond->clip[i] - in->clip[i]) * part_q30, 30);
+    for (i = 0; i < 3; i++)
+        out->normal[i] =
+            (int16_t)(in->normal[i] + fx_shift((int64_t)(beyond->normal[i] - in->normal[i]) * part_q30, 30));
+}
+
+static int clip_plane(const corner *in, int count, int plane, corner *out)
+{
+    int i, kept = 0;
+
+    for (i = 0; i < count; i++) {
+        const corner *const a = &in[i], *const b = &in[i + 1 < count ? i + 1 : 0];
+        const int64_t da = distance(a->clip, plane), db = distance(b->clip, plane);
+
+        if (da >= 0) out[kept++] = *a;
+        if (da >= 0 && db < 0) cross(&out[kept++], a, b, da, db);
+        if (da < 0 && db >= 0) cross(&out[kept++], b, a, db, da);
+    }
+    return kept;
+}
+
+int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t index[3],
+              soft_vertex out[SOFT_MOST_CORNERS])
+{
+    corner polygon[2][SOFT_MOST_CORNERS + 1];
+    int i, k, plane, count = 3;
+
+    for (i = 0; i < 3; i++) {
+        corner *const c = &polygon[0][i];
+        const soft_vertex *const v = &soft->vertex[item->first_vertex + index[i]];
+
+        soft_clip_position(&item->camera, &item->mesh->vertices[index[i]], c->clip);
+        for (k = 0; k < 3; k++) c->normal[k] = v->normal[k];
+    }
+    for (plane = 0; plane < PLANES && count; plane++)
+        count = clip_plane(polygon[plane & 1], count, plane, polygon[~plane & 1]);
+    if (count > SOFT_MOST_CORNERS) count = SOFT_MOST_CORNERS;
+    for (i = 0; i < count; i++) {
+        const corner *const c = &polygon[PLANES & 1][i];
+
+        soft_project(soft, &item->camera, c->clip, &out[i]);
+        for (k = 0; k < 3; k++) out[i].normal[k] = c->normal[k];
+    }
+    return count;
+}

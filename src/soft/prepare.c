@@ -1,0 +1,160 @@
+/* SPDX-License-Identifier: MIT */
+/* A frame's items: materials and lights into evaluators, vertices onto the screen. */
+#include "soft.h"
+
+#include <string.h>
+
+#include "asset.h"
+
+typedef struct preparing {
+    nacre_soft *soft;
+    nacre_view view; /* with the item's own matrix */
+    int64_t low, high;
+} preparing;
+
+static int mesh_is_valid(const nacre_mesh *mesh)
+{
+    uint32_t i;
+    int k;
+
+    if (!mesh || !mesh->vertices || !mesh->indices || !mesh->vertex_count || mesh->index_count % 3) return 0;
+    for (i = 0; i < mesh->index_count; i++)
+        if (mesh->indices[i] >= mesh->vertex_count) return 0;
+    for (k = 0; k < 3; k++)
+        if (mesh->half_extent[k] < 0) return 0;
+    return 1;
+}
+
+/* ---- lights ------------------------------------------------------------------------------------------------------------ */
+
+static void *light_memory(const nacre_soft *soft, uint32_t item)
+{
+    return soft->light_room + (size_t)item * soft->desc.max_lights * soft_light_bytes(&soft->desc);
+}
+
+static nacre_result set_tables(const nacre_soft *soft, soft_item *item, uint32_t index, const shade_material *material,
+                               const nacre_image *image)
+{
+    const uint8_t *const texels[2] = {nacre_image_texels(image, 0, 0, 0, NULL),
+                                      nacre_image_texels(image, 0, material->fine, 0, NULL)};
+    shade_table_eval *const table = light_memory(soft, index);
+    uint32_t *columns = (uint32_t *)(void *)(table + soft->desc.max_lights);
+    int i;
+
+    if (material->is.table.width > soft->desc.table_columns || (material->fine && !soft->desc.fine))
+        return NACRE_ERR_BUDGET;
+    item->table = table;
+    for (i = 0; i < soft->frame->light_count; i++) {
+        if (!shade_table_eval_prepare(&table[item->lights], columns, &soft->frame->light[i], material, texels))
+            return NACRE_ERR_UNSUPPORTED;
+        columns += SHADE_TABLE_WORDS(material->is.table.width, material->fine);
+        item->lights += !table[item->lights].dark;
+    }
+    item->one_code = item->lights == 1 && item->output == NACRE_OUTPUT_SRGB && shade_table_has_code(table) &&
+                     !(item->ambient[0].m | item->ambient[1].m | item->ambient[2].m);
+    return NACRE_OK;
+}
+
+static nacre_result set_spheres(const nacre_soft *soft, soft_item *item, uint32_t index, const shade_material *material,
+                                const nacre_image *image)
+{
+    const unsigned texel_bytes = image->format == NACRE_FORMAT_RGBA8 ? 4 : image->format == NACRE_FORMAT_RGB8 ? 3 : 0;
+    const uint8_t *layers[NACRE_MAX_LAYERS];
+    unsigned i;
+
+    if (!texel_bytes || image->width != image->height) return NACRE_ERR_UNSUPPORTED;
+    item->spheres = light_memory(soft, index);
+    for (i = 0; i < image->layers; i++) layers[i] = nacre_image_texels(image, 0, i, 0, NULL);
+    for (i = 0; i < soft->frame->light_count; i++) {
+        if (!shade_spheres_eval_prepare(&item->spheres[item->lights], &soft->frame->light[i], material, layers,
+                                        image->width, texel_bytes))
+            return NACRE_ERR_UNSUPPORTED;
+        item->lights += !item->spheres[item->lights].dark;
+    }
+    return NACRE_OK;
+}
+
+static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, const nacre_soft_item *from)
+{
+    const nacre_soft *const soft = p->soft;
+    const nacre_view *const view = &p->view;
+    shade_material material;
+    nacre_result r = shade_material_read(&material, from->material);
+
+    if (r) return r;
+    if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
+    if (shade_needs_persp(view) || from->material->image[NACRE_ROLE_NORMAL]) return NACRE_ERR_UNSUPPORTED;
+    shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, 0, 2);
+    memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
+    item->output = view->output;
+    if (material.model == NACRE_MODEL_TABLE)
+        return set_tables(soft, item, index, &material, from->material->image[NACRE_ROLE_TABLE]);
+    return set_spheres(soft, item, index, &material, from->material->image[NACRE_ROLE_SPHERES]);
+}
+
+static nacre_result set_lit(preparing *p, const nacre_soft_item *from)
+{
+    int32_t eye[3];
+
+    if (!from->lit->texels || from->lit->size < 8 || from->lit->size > 512) return NACRE_ERR_ARGUMENT;
+    shade_eye(&p->view, from->mesh->centre, eye);
+    shade_turn_to_z(eye, p->soft->frame->turn_q28);
+    return NACRE_OK;
+}
+
+/* ---- items ------------------------------------------------------------------------------------------------------------- */
+
+static nacre_result add_item(preparing *p, const nacre_soft_item *from, const nacre_view *view)
+{
+    nacre_soft *const soft = p->soft;
+    const uint32_t index = soft->item_count;
+    soft_item *const item = &soft->item[index];
+    nacre_result r;
+
+    if (!mesh_is_valid(from->mesh) || (!from->lit && !from->material)) return NACRE_ERR_ARGUMENT;
+    if (from->mesh->vertex_count > soft->desc.max_vertices - soft->vertex_count ||
+        from->mesh->index_count / 3 > soft->desc.max_triangles - soft->triangle_count)
+        return NACRE_ERR_BUDGET;
+    memset(item, 0, sizeof *item);
+    item->mesh = from->mesh;
+    item->lit = from->lit;
+    item->cull = from->cull;
+    item->first_vertex = soft->vertex_count;
+    item->first_triangle = soft->triangle_count;
+    item->triangle_count = from->mesh->index_count / 3;
+    p->view = *view;
+    p->view.object_to_view = from->object_to_view;
+    r = from->lit ? set_lit(p, from) : set_material(p, item, index, from);
+    if (r) return r;
+    soft_camera_set(&item->camera, from, &p->view, soft->frame->turn_q28, &p->low, &p->high);
+    soft->vertex_count += from->mesh->vertex_count;
+    soft->triangle_count += item->triangle_count;
+    soft->item_count++;
+    return NACRE_OK;
+}
+
+nacre_result nacre_soft_prepare(nacre_soft *soft, const nacre_soft_item *items, int count, const nacre_view *view)
+{
+    preparing p;
+    nacre_result r = NACRE_OK;
+    int i;
+
+    if (!soft || !view || count < 0 || (count && !items) || (view->light_count && !view->lights))
+        return NACRE_ERR_ARGUMENT;
+    soft->item_count = 0;
+    soft->vertex_count = soft->triangle_count = 0;
+    p.soft = soft;
+    p.low = INT64_MAX;
+    p.high = INT64_MIN;
+    if (count > soft->desc.max_items) r = NACRE_ERR_BUDGET;
+    for (i = 0; i < count && !r; i++) r = add_item(&p, &items[i], view);
+    if (r) soft->item_count = 0, soft->triangle_count = 0;
+    for (i = 0; i < soft->item_count; i++) {
+        soft_item *const item = &soft->item[i];
+
+        soft_camera_depth(&item->camera, p.low, p.high);
+        soft_transform(soft, &item->camera, item->mesh, soft->vertex + item->first_vertex);
+    }
+    soft_sort(soft);
+    return r;
+}

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * soft - the rasteriser. prepare.c: a frame's items; transform.c: vertices; clip.c: triangles that leave the frustum;
+ * bins.c: triangles into bands; setup.c: one triangle's edges and planes; raster.c: its pixels' depth and normals;
+ * span.c: normals into pixels; store.c: pixel formats; band.c: one band.
+ *
+ * Screen positions are 28.4 from the upper left corner, y down; a pixel's sample is at its centre. A pixel belongs to a
+ * triangle when its centre is inside, on a left edge or on a top edge.
+ */
+#ifndef SOFT_H
+#define SOFT_H
+
+#include "eval.h"
+#include "nacre_soft.h"
+
+/* What nothing covers; no normal looks so. */
+#define SOFT_EMPTY 0x80808080u
+#define SOFT_FAR   65535u
+
+#define SOFT_MOST_DEPTH ((int32_t)65533 << 15)
+
+typedef struct soft_vertex {
+    int32_t x, y;      /* screen */
+    int32_t z;         /* depth, q15, 0..SOFT_MOST_DEPTH; SOFT_OUTSIDE: to be clipped, x and y say nothing */
+    int16_t normal[3]; /* q14: turned unit normal; by a lit sphere half of normal + eye */
+    uint16_t nearness; /* 1/w over the item's largest, q16 */
+} soft_vertex;
+
+#define SOFT_OUTSIDE INT32_MIN
+
+enum { SOFT_PLANES = 4 }; /* depth, normal x, y, z */
+
+typedef struct soft_plane { /* value at the first pixel of the first row, steps; wraps */
+    uint32_t at, dx, dy;
+} soft_plane;
+
+typedef struct soft_edge { /* first pixel at or right of the edge, row by row */
+    int32_t x, step;
+    int32_t rest, rest_step, whole; /* of the division, whole: its divisor */
+} soft_edge;
+
+typedef struct soft_triangle { /* rows y0..y2-1; left and right edge of the upper and lower part */
+    int32_t y0, y1, y2;
+    int32_t x0;        /* where the planes' `at` is, in row y0 */
+    soft_edge edge[3]; /* long, upper, lower */
+    uint8_t long_left;
+    soft_plane plane[SOFT_PLANES]; /* depth: q15; normals q30 */
+} soft_triangle;
+
+/* Pixels of one band, one array a value. */
+typedef struct soft_pixels {
+    uint16_t *depth;
+    uint32_t *xy; /* of the normal */
+    int16_t *z;
+    uint8_t *item;
+    int32_t stride;         /* pixels a row */
+    int32_t row0;           /* of the first pixel */
+    int32_t y0, y1, x0, x1; /* rows and columns that are drawn */
+} soft_pixels;
+
+typedef struct soft_camera { /* of one item, see transform.c */
+    int64_t row[4][4];       /* clip = (row . (position, 32768)) >> 15: one common scale, below 2^30 */
+    int32_t normal[3][3];    /* q15: a vertex's normal into the turned frame, not longer */
+    int64_t depth_low;       /* z / w, q30, that is depth 0 */
+    int64_t depth_scale;     /* q24 */
+    int32_t nearest;         /* least w, in the scale of row */
+    uint8_t inside;          /* nothing needs clipping */
+    uint8_t half;            /* normals become half of normal + eye */
+} soft_camera;
+
+typedef struct soft_item {
+    const nacre_mesh *mesh;
+    const nacre_soft_lit *lit;
+    soft_camera camera;
+    uint32_t first_vertex, first_triangle, triangle_count; /* in the frame's numbering */
+    uint8_t cull;
+    uint8_t lights;   /* that add something */
+    uint8_t one_code; /* display codes at once */
+    uint8_t output;   /* nacre_output */
+    fx_real ambient[3];
+    shade_table_eval *table; /* of every light; NULL */
+    shade_spheres_eval *spheres;
+} soft_item;
+
+struct nacre_soft_kernels {
+    void (*fill)(soft_triangle *t, const soft_pixels *to, unsigned item);
+    void (*normalise)(uint32_t *xy, int16_t *z, int count);
+    void (*table_add)(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count,
+                      shade_rgb radiance);
+    void (*table_code)(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba);
+    void (*encode)(shade_rgb radiance, int count, nacre_output output, uint32_t *rgba);
+    void (*lit)(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to);
+};
+
+struct nacre_soft {
+    nacre_soft_desc desc;
+    uint32_t clear;
+    int32_t scissor[4];           /* x0 y0 x1 y1 */
+    uint32_t bands, band_inverse; /* band_inverse: above 2^24 / band_rows */
+    uint32_t vertex_count, triangle_count;
+    uint32_t reference_count; /* 0 with triangles there: they did not fit, every band looks at all */
+    uint32_t reference_room;
+    uint16_t item_count;
+    uint8_t sorted;
+    soft_vertex *vertex;
+    void *reference;      /* triangle numbers, band after band; uint16_t up to 65,536 triangles, else uint32_t */
+    uint32_t *band_begin; /* bands + 2 */
+    soft_item *item;
+    uint8_t *light_room; /* evaluators and columns */
+    shade_frame *frame;  /* while preparing */
+};
+
+static inline uint32_t soft_band_of(const nacre_soft *soft, int32_t row)
+{
+    return (uint32_t)row * soft->band_inverse >> 24;
+}
+
+/* context.c */
+size_t soft_light_bytes(const nacre_soft_desc *desc); /* of one light of an item */
+
+/* transform.c */
+/* *low, *high: widened by the depths (z / w, q30) of the item. turn: of shade_frame. */
+void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_view *view, int32_t turn[3][3],
+                     int64_t *low, int64_t *high);
+void soft_camera_depth(soft_camera *out, int64_t low, int64_t high);
+void soft_transform(const nacre_soft *soft, const soft_camera *camera, const nacre_mesh *mesh, soft_vertex *out);
+void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_t clip[4]);
+void soft_project(const nacre_soft *soft, const soft_camera *camera, const int32_t clip[4], soft_vertex *out);
+
+/* clip.c: the part of a triangle inside the frustum (and 4 frames around it); returns the corners of a convex polygon. */
+enum { SOFT_MOST_CORNERS = 9 };
+int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t index[3],
+              soft_vertex out[SOFT_MOST_CORNERS]);
+
+/* setup.c */
+/* Rows *y0..*y1-1 of the frame that a triangle touches. 0: none, or culled (nacre_soft_cull). */
+int soft_triangle_rows(const soft_vertex *a, const soft_vertex *b, const soft_vertex *c, int cull, int32_t height,
+                       int32_t *y0, int32_t *y1);
+/* For one that soft_triangle_rows lets pass. 0: nothing in the rows of `to`. */
+int soft_triangle_set(soft_triangle *out, const soft_vertex *a, const soft_vertex *b, const soft_vertex *c,
+                      const soft_pixels *to);
+
+/* bins.c */
+void soft_sort(nacre_soft *soft);
+/* Calls `draw` for every triangle of a band, in order. */
+typedef void soft_draw(void *user, const soft_item *item, unsigned item_index, const uint32_t index[3]);
+void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_draw *draw, void *user);
+
+/* raster.c; advances the edges */
+void soft_fill(soft_triangle *t, const soft_pixels *to, unsigned item);
+
+/* span.c */
+void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to);
+/* Columns x0..x1-1 of a row, all of them covered by one item or empty. */
+void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row, void *to);
+
+/* store.c */
+unsigned soft_pixel_bytes(unsigned format);
+void soft_store(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, void *to);
+
+#endif

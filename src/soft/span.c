@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/* A row's normals into pixels: runs of one item, some pixels at a time. */
+#include "soft.h"
+
+#include <string.h>
+
+enum { BATCH = 32 }; /* pixels at a time: 500 bytes of stack */
+
+/* The texel of a bisector: offset from the middle by h.xy / |h| x 2/3 size. */
+static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t z, uint32_t scale)
+{
+    const int32_t x = (int16_t)(xy & 65535u), y = (int32_t)xy >> 16;
+    const int32_t length = (int32_t)(shade_lut_unit[(uint32_t)(x * x + y * y + z * z) >> 20] * scale >> 15);
+    const int32_t half = lit->size * 32768;
+
+    return (uint32_t)((half - y * length) >> 16) * lit->size + (uint32_t)((half + x * length) >> 16);
+}
+
+void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to)
+{
+    const uint32_t scale = lit->size * 2731u >> 6; /* 2/3 size, for q14 to q16, x 16 */
+    int i;
+
+    if (bytes == 2) {
+        uint16_t *const out = to;
+        const uint16_t *const texels = lit->texels;
+
+        for (i = 0; i < count; i++) out[i] = texels[texel_of(lit, xy[i], z[i], scale)];
+    } else if (bytes == 1) {
+        uint8_t *const out = to;
+        const uint8_t *const texels = lit->texels;
+
+        for (i = 0; i < count; i++) out[i] = texels[texel_of(lit, xy[i], z[i], scale)];
+    } else {
+        uint32_t *const out = to;
+        const uint32_t *const texels = lit->texels;
+
+        for (i = 0; i < count; i++) out[i] = texels[texel_of(lit, xy[i], z[i], scale)];
+    }
+}
+
+/* Up to BATCH pixels of an item, by its own model. */
+static void shade_batch(const nacre_soft *soft, const soft_item *item, uint32_t *xy, int16_t *z, int count,
+                        uint32_t *rgba)
+{
+    const nacre_soft_kernels *const k = soft->desc.kernels;
+    uint32_t sum[3][BATCH];
+    const shade_rgb radiance = {sum[0], sum[1], sum[2]};
+    int i;
+
+    k->normalise(xy, z, count);
+    if (item->one_code) {
+        k->table_code(item->table, xy, z, count, rgba);
+        return;
+    }
+    shade_rgb_fill(radiance, count, item->ambient);
+    for (i = 0; i < item->lights; i++) {
+        if (item->table)
+            k->table_add(&item->table[i], xy, z, count, radiance);
+        else
+            shade_spheres_add(&item->spheres[i], xy, z, count, radiance);
+    }
+    k->encode(radiance, count, (nacre_output)item->output, rgba);
+}
+
+static void shade_run(const nacre_soft *soft, const soft_item *item, const soft_pixels *from, uint32_t at, int32_t x,
+                      int32_t y, int32_t count, uint8_t *to)
+{
+    const unsigned bytes = soft_pixel_bytes(soft->desc.format);
+    uint32_t rgba[BATCH];
+
+    if (item->lit) {
+        soft->desc.kernels->lit(item->lit, from->xy + at, from->z + at, count, bytes, to);
+        return;
+    }
+    while (count > 0) {
+        const int32_t now = count < BATCH ? count : BATCH;
+
+        shade_batch(soft, item, from->xy + at, from->z + at, now, rgba);
+        soft_store(&soft->desc, x, y, rgba, now, to);
+        at += (uint32_t)now;
+        x += now;
+        to += (uint32_t)now * bytes;
+        count -= now;
+    }
+}
+
+static void clear_run(const nacre_soft *soft, int32_t x, int32_t y, int32_t count, uint8_t *to)
+{
+    const unsigned bytes = soft_pixel_bytes(soft->desc.format);
+
+    for (; count > 0; count--, x++, to += bytes) soft_store(&soft->desc, x, y, &soft->clear, 1, to);
+}
+
+void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row, void *to)
+{
+    const uint32_t line = (uint32_t)((row - from->row0) * from->stride);
+    const unsigned bytes = soft_pixel_bytes(soft->desc.format);
+    int32_t x = from->x0, end;
+
+    while (x < from->x1) {
+        const uint32_t at = line + (uint32_t)x;
+        uint8_t *const out = (uint8_t *)to + (uint32_t)x * bytes;
+
+        end = x + 1;
+        if (from->xy[at] == SOFT_EMPTY) {
+            while (end < from->x1 && from->xy[line + (uint32_t)end] == SOFT_EMPTY) end++;
+            clear_run(soft, x, row, end - x, out);
+        } else {
+            while (end < from->x1 && from->xy[line + (uint32_t)end] != SOFT_EMPTY &&
+                   from->item[line + (uint32_t)end] == from->item[at])
+                end++;
+            shade_run(soft, &soft->item[from->item[at]], from, at, x, row, end - x, out);
+        }
+        x = end;
+    }
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/* Codes into the frame's pixels. */
+#include "soft.h"
+
+/* 4 x 4 thresholds of Bayer 1973, 0..15. */
+static const uint8_t pattern[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
+
+unsigned soft_pixel_bytes(unsigned format)
+{
+    return format == NACRE_SOFT_RGBA8 ? 4 : format == NACRE_SOFT_GRAY8 ? 1 : 2;
+}
+
+/* code x most / 255, nearest; plus the threshold (of 16) of a step */
+static uint32_t fewer(uint32_t code, uint32_t most, uint32_t threshold)
+{
+    /* x 257 >> 16 is / 255 for the range here */
+    return ((code * most * 16 + threshold * 255) * 257 + 257) >> 20;
+}
+
+static uint32_t rgb565(uint32_t c, uint32_t threshold)
+{
+    return fewer(c & 255, 31, threshold) << 11 | fewer(c >> 8 & 255, 63, threshold) << 5 |
+           fewer(c >> 16 & 255, 31, threshold);
+}
+
+static void store_565(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, uint16_t *to)
+{
+    const int swap = desc->format == NACRE_SOFT_RGB565_SWAPPED;
+    int i;
+
+    for (i = 0; i < count; i++) {
+        const uint32_t p = rgb565(rgba[i], desc->dither ? pattern[y & 3][(x + i) & 3] : 8u);
+
+        to[i] = (uint16_t)(swap ? p >> 8 | p << 8 : p);
+    }
+}
+
+static void store_rgba(const uint32_t *rgba, int count, uint8_t *to)
+{
+    int i, k;
+
+    for (i = 0; i < count; i++)
+        for (k = 0; k < 4; k++) to[4 * i + k] = (uint8_t)(rgba[i] >> (8 * k));
+}
+
+void soft_store(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, void *to)
+{
+    uint8_t *const gray = to;
+    int i;
+
+    switch (desc->format) {
+    case NACRE_SOFT_GRAY8:
+        for (i = 0; i < count; i++) /* 0.2126, 0.7152, 0.0722 of 256 */
+            gray[i] =
+                (uint8_t)(((rgba[i] & 255) * 54 + (rgba[i] >> 8 & 255) * 183 + (rgba[i] >> 16 & 255) * 19 + 128) >> 8);
+        break;
+    case NACRE_SOFT_RGBA8:
+        store_rgba(rgba, count, to);
+        break;
+    default:
+        store_565(desc, x, y, rgba, count, to);
+        break;
+    }
+}

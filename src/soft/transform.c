@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+/* Vertices onto the screen: position, depth, normal. */
+#include "soft.h"
+
+#define GUARD       4 /* times the frame: vertices beyond it are clipped, coordinates stay below 2^18 */
+#define LEAST_RANGE 4096
+
+/* ---- the camera of an item ------------------------------------------------------------------------------------------ */
+
+static uint64_t size_of(int64_t x)
+{
+    return x < 0 ? 0 - (uint64_t)x : (uint64_t)x;
+}
+
+static int64_t scaled(int64_t x, int shift)
+{
+    return shift > 0 ? fx_shift(x, shift) : x * ((int64_t)1 << -shift);
+}
+
+/* Shift the entries alike so that the largest is below 2^(bits). */
+static void level(int64_t *m, int count, int bits)
+{
+    uint64_t all = 0;
+    int i, shift;
+
+    for (i = 0; i < count; i++) all |= size_of(m[i]);
+    if (!all) return;
+    shift = fx_top_bit(all) + 1 - bits;
+    for (i = 0; i < count; i++) m[i] = scaled(m[i], shift);
+}
+
+static void set_rows(soft_camera *out, const nacre_view *view, const nacre_mat4 *object, const nacre_mesh *mesh)
+{
+    const nacre_q16 *const a = view->view_to_clip.m, *const b = object->m;
+    int64_t m[16];
+    uint64_t most = 0;
+    int i, j, shift;
+
+    for (i = 0; i < 16; i++) { /* m[4 row + column] */
+        m[i] = 0;
+        for (j = 0; j < 4; j++) m[i] += fx_shift((int64_t)a[4 * j + i / 4] * b[i % 4 * 4 + j], 2);
+    }
+    level(m, 16, 29);
+    for (i = 0; i < 4; i++) {
+        uint64_t sum;
+
+        out->row[i][3] = m[4 * i + 3] * 65536;
+        for (j = 0; j < 3; j++) {
+            out->row[i][j] = m[4 * i + j] * mesh->half_extent[j];
+            out->row[i][j] += out->row[i][j] / 32768; /* 32767 is the extent */
+            out->row[i][3] += m[4 * i + j] * mesh->centre[j];
+        }
+        sum = size_of(out->row[i][0]) + size_of(out->row[i][1]) + size_of(out->row[i][2]) + size_of(out->row[i][3]);
+        if (sum > most) most = sum;
+    }
+    shift = most ? fx_top_bit(most) - 29 : 0; /* sums stay below 2^30 */
+    for (i = 0; i < 16; i++) out->row[i / 4][i % 4] = scaled(out->row[i / 4][i % 4], shift);
+}
+
+/* Inverse transpose of the object's matrix, turned to the eye; its Frobenius norm is at most 1 in q15. */
+static void set_normals(soft_camera *out, const nacre_mat4 *object, int32_t turn[3][3])
+{
+    int64_t linear[9], cofactor[9], all = 0;
+    uint64_t sum = 0;
+    int i, j, k;
+
+    for (i = 0; i < 9; i++) linear[i] = object->m[i % 3 * 4 + i / 3];
+    level(linear, 9, 30);
+    for (i = 0; i < 3; i++)
+        for (j = 0; j < 3; j++) {
+            const int r = (i + 1) % 3, s = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+
+            cofactor[3 * i + j] = linear[3 * r + c] * linear[3 * s + d] - linear[3 * r + d] * linear[3 * s + c];
+        }
+    level(cofactor, 9, 29);
+    for (i = 0; i < 3; i++) all += fx_shift(linear[i] * cofactor[i], 2);
+    for (i = 0; i < 3; i++)
+        for (j = 0; j < 3; j++) {
+            linear[3 * i + j] = 0;
+            for (k = 0; k < 3; k++) linear[3 * i + j] += (int64_t)turn[i][k] * cofactor[3 * k + j];
+            if (all < 0) linear[3 * i + j] = -linear[3 * i + j];
+        }
+    level(linear, 9, 15);
+    for (i = 0; i < 9; i++) sum += (uint64_t)(linear[i] * linear[i]);
+    sum = fx_isqrt(sum) + 1;
+    for (i = 0; i < 9; i++) out->normal[i / 3][i % 3] = (int32_t)fx_div(linear[i] * 32767, (int64_t)sum);
+}
+
+static void clip_point(const soft_camera *camera, const int32_t p[3], int64_t out[4])
+{
+    int i;
+
+    for (i = 0; i < 4; i++) {
+        const int64_t *const r = camera->row[i];
+
+        out[i] = (r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3] * 32768) >> 15;
+    }
+}
+
+/* What the corners of the mesh's box say: range of depth, least w, whether anything needs clipping. */
+static void look_at_box(soft_camera *out, int64_t *low, int64_t *high)
+{
+    int i, k;
+
+    out->inside = 1;
+    out->nearest = INT32_MAX;
+    for (i = 0; i < 8; i++) {
+        const int32_t p[3] = {i & 1 ? 32767 : -32767, i & 2 ? 32767 : -32767, i & 4 ? 32767 : -32767};
+        int64_t clip[4], z;
+
+        clip_point(out, p, clip);
+        for (k = 0; k < 2; k++)
+            if (clip[k] > GUARD * clip[3] || clip[k] < -GUARD * clip[3]) out->inside = 0;
+        if (clip[3] <= 0 || clip[2] > clip[3] || clip[2] < -clip[3]) {
+            out->inside = 0;
+            *low = -((int64_t)1 << 30);
+            *high = (int64_t)1 << 30;
+        }
+        if (clip[3] <= 0) continue;
+        if (clip[3] < out->nearest) out->nearest = (int32_t)clip[3];
+        z = fx_div(clip[2] * ((int64_t)1 << 30), clip[3]);
+        if (z < *low) *low = z;
+        if (z > *high) *high = z;
+    }
+}
+
+void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_view *view, int32_t turn[3][3],
+                     int64_t *low, int64_t *high)
+{
+    set_rows(out, view, &item->object_to_view, item->mesh);
+    set_normals(out, &item->object_to_view, turn);
+    look_at_box(out, low, high);
+    out->half = item->lit != 0;
+}
+
+void soft_camera_depth(soft_camera *out, int64_t low, int64_t high)
+{
+    if (low < -((int64_t)1 << 30)) low = -((int64_t)1 << 30);
+    if (high > (int64_t)1 << 30) high = (int64_t)1 << 30;
+    if (high < low + LEAST_RANGE) high = low + LEAST_RANGE;
+    out->depth_low = low;
+    out->depth_scale = fx_div((int64_t)SOFT_MOST_DEPTH << 24, high - low);
+}
+
+/* ---- vertices -------------------------------------------------------------------------------------------------------- */
+
+static int outside(const int32_t clip[4])
+{
+    const int64_t w = clip[3], side = GUARD * w;
+
+    return clip[0] > side || clip[0] < -side || clip[1] > side || clip[1] < -side || clip[2] > w || clip[2] < -w ||
+           w <= 0;
+}
+
+void soft_project(const nacre_soft *soft, const soft_camera *camera, const int32_t clip[4], soft_vertex *out)
+{
+    const int zeros = fx_leading_zeros((uint32_t)clip[3]);
+    const int64_t inverse = fx_reciprocal((uint32_t)clip[3] << zeros); /* 1/w = inverse 2^(zeros - 62) */
+    const int64_t x = clip[0] * inverse >> (34 - zeros), y = clip[1] * inverse >> (34 - zeros); /* q28 */
+    const int64_t z = (clip[2] * inverse >> (32 - zeros)) - camera->depth_low;
+    const int64_t depth = z <= 0 ? 0 : z * camera->depth_scale >> 24, near = camera->nearest * inverse >> (46 - zeros);
+
+    out->x = (int32_t)((x * (soft->desc.width * 8) + (FX_Q28_ONE / 2)) >> 28) + soft->desc.width * 8;
+    out->y = soft->desc.height * 8 - (int32_t)((y * (soft->desc.height * 8) + (FX_Q28_ONE / 2)) >> 28);
+    out->z = depth > SOFT_MOST_DEPTH ? SOFT_MOST_DEPTH : (int32_t)depth;
+    out->nearness = (uint16_t)(near > 65535 ? 65535 : near < 1 ? 1 : near);
+}
+
+void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_t clip[4])
+{
+    const int32_t p[3] = {v->position[0], v->position[1], v->position[2]};
+    int64_t wide[4];
+    int i;
+
+    clip_point(camera, p, wide);
+    for (i = 0; i < 4; i++) clip[i] = (int32_t)wide[i];
+}
+
+/* Half of normal + eye, held within 47.7 degrees of the eye: convex, so that no interpolated one leaves the picture of a
+   lit sphere. */
+static void to_half(int16_t n[3])
+{
+    const int32_t x = n[0] / 2, y = n[1] / 2, z = (n[2] + 16384) / 2;
+    int32_t least = 0;
+
+    if (z * z < 14904 * (int64_t)(x * x + y * y) >> 14) /* (hz / hxy)^2 >= 0.9097 */
+        least = (int32_t)(fx_isqrt((uint64_t)(x * x + y * y)) * 15627u >> 14) + 1;
+    n[0] = (int16_t)x;
+    n[1] = (int16_t)y;
+    n[2] = (int16_t)(z < least ? least : z);
+}
+
+static void turn_normal(const soft_camera *camera, const int16_t from[4], int16_t out[3])
+{
+    int32_t n[3];
+    uint32_t xy;
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        const int32_t *const m = camera->normal[i];
+
+        n[i] = (m[0] * from[0] >> 16) + (m[1] * from[1] >> 16) + (m[2] * from[2] >> 16);
+    }
+    xy = shade_pack_xy(n[0], n[1]);
+    out[2] = (int16_t)n[2];
+    shade_normalise(&xy, &out[2], 1);
+    out[0] = (int16_t)(xy & 65535u);
+    out[1] = (int16_t)(xy >> 16);
+    if (camera->half) to_half(out);
+}
+
+void soft_transform(const nacre_soft *soft, const soft_camera *camera, const nacre_mesh *mesh, soft_vertex *out)
+{
+    uint32_t i;
+
+    for (i = 0; i < mesh->vertex_count; i++) {
+        const nacre_vertex *const v = &mesh->vertices[i];
+        int32_t clip[4];
+
+        soft_clip_position(camera, v, clip);
+        turn_normal(camera, v->normal, out[i].normal);
+        if (!camera->inside && outside(clip))
+            out[i].z = SOFT_OUTSIDE;
+        else
+            soft_project(soft, camera, clip, &out[i]);
+    }
+}
