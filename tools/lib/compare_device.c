@@ -48,7 +48,7 @@ int compare_device_open(compare_device **out, compare_backend backend, failure *
     int code = FAIL_NONE;
     d->backend = backend;
     if (backend == COMPARE_DOUBLE)
-        snprintf(d->description, sizeof d->description, "double precision, from 8-bit codes");
+        snprintf(d->description, sizeof d->description, "decoding 8-bit codes in double precision");
     else if (backend == COMPARE_SOFT)
         code = fail(
             f, FAIL_UNSUPPORTED, "--backend soft: this build has no software renderer, expected %s, %s, %s or %s",

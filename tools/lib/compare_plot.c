@@ -5,7 +5,7 @@
 
 #include "compare_report.h"
 
-enum { WIDTH = 960, LEFT = 70, TOP = 56, PLOT_WIDTH = 640, PLOT_HEIGHT = 400, LEGEND_X = LEFT + PLOT_WIDTH + 24 };
+enum { WIDTH = 1040, LEFT = 70, TOP = 56, PLOT_WIDTH = 640, PLOT_HEIGHT = 400, LEGEND_X = LEFT + PLOT_WIDTH + 24 };
 
 /* Eight colours that colour-blind readers tell apart: Okabe and Ito 2008, "Color Universal Design". */
 static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
@@ -89,8 +89,8 @@ static void legend(bytes *out, const compare_entry *e, int index, const char *st
     int y = TOP + 12 + 44 * index;
     bytes_printf(out, "<line class=\"curve\" %s x1=\"%d\" x2=\"%d\" y1=\"%d\" y2=\"%d\"/><text x=\"%d\" y=\"%d\">",
                  style, LEGEND_X, LEGEND_X + 30, y, y, LEGEND_X + 38, y + 1);
-    char label[26]; /* what fits beside the plot */
-    snprintf(label, sizeof label, "%s", e->label);
+    char label[64];
+    report_shorten(label, sizeof label, e->label, 32); /* what fits beside the plot */
     report_escape(out, label);
     bytes_printf(out, "</text><text class=\"small\" x=\"%d\" y=\"%d\">%.2f dB in all", LEGEND_X + 38, y + 18,
                  e->result.full.pooled_psnr_db);

@@ -23,8 +23,10 @@ typedef struct compare_report {
     int count;
 } compare_report;
 
-/* The part of a path behind its last '/'. */
-const char *report_label(const char *path);
+/* The part of a path behind its last '/'; a BRDF's name whole. */
+const char *report_label(const char *text);
+/* At most most characters of a label: of a file's name the end, which tells it from its neighbours. */
+void report_shorten(char *out, size_t size, const char *label, int most);
 
 /* Aligned columns for a terminal. */
 void report_table(const compare_report *r, bytes *out);

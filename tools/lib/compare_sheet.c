@@ -65,11 +65,12 @@ static void entry_rows(sheet *s, const compare_report *r, int index)
     const compare_entry *e = &r->entry[index];
     const metric_result *m = &e->result.full;
     int row = 1 + 2 * index;
-    char text[160], size[48] = "";
+    char text[160], size[48] = "", label[64];
+    report_shorten(label, sizeof label, e->label, 26); /* what fits beside the frames */
     if (e->asset.texture_bytes)
         snprintf(size, sizeof size, "\n%lld bytes, %d fetch%s", e->asset.texture_bytes, e->asset.fetches,
                  e->asset.fetches == 1 ? "" : "es");
-    snprintf(text, sizeof text, "%.60s\n%.2f dB in all%s", e->label, m->pooled_psnr_db, size);
+    snprintf(text, sizeof text, "%s\n%.2f dB in all%s", label, m->pooled_psnr_db, size);
     sheet_row_label(s, row, text);
     snprintf(text, sizeof text, "difference x%d\nworst frame %.2f dB,\nlight at %g deg", MAGNIFY, m->worst_frame_db,
              m->worst_frame_deg);

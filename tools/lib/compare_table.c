@@ -5,10 +5,26 @@
 
 #include "compare_report.h"
 
-const char *report_label(const char *path)
+static int is_parameters(const char *text)
 {
-    const char *slash = strrchr(path, '/');
-    return slash && slash[1] ? slash + 1 : path;
+    return strchr(text, ':') && strchr(text, '=');
+}
+
+const char *report_label(const char *text)
+{
+    const char *slash = is_parameters(text) ? NULL : strrchr(text, '/');
+    return slash && slash[1] ? slash + 1 : text;
+}
+
+void report_shorten(char *out, size_t size, const char *label, int most)
+{
+    int length = (int)strlen(label);
+    if (length <= most)
+        snprintf(out, size, "%s", label);
+    else if (is_parameters(label))
+        snprintf(out, size, "%.*s..", most - 2, label);
+    else
+        snprintf(out, size, "..%s", label + length - (most - 2));
 }
 
 /* 5592400 -> 5,592,400 */
@@ -23,26 +39,29 @@ static void grouped(char out[32], long long value)
     out[used] = 0;
 }
 
+enum { MOST_LABEL = 44 };
+
 static int label_width(const compare_report *r)
 {
-    int width = 8;
+    int width = 18; /* of the baselines */
     for (int i = 0; i < r->count; i++) {
         int length = (int)strlen(r->entry[i].label);
         if (length > width) width = length;
     }
-    return width;
+    return width < MOST_LABEL ? width : MOST_LABEL;
 }
 
 static void table_row(bytes *out, const compare_entry *e, int width)
 {
     const compare_result *r = &e->result;
-    char size[32] = "-", fetches[12] = "-";
+    char size[32] = "-", fetches[12] = "-", label[64];
+    report_shorten(label, sizeof label, e->label, MOST_LABEL);
     if (e->asset.texture_bytes) {
         grouped(size, e->asset.texture_bytes);
         snprintf(fetches, sizeof fetches, "%d", e->asset.fetches);
     }
-    bytes_printf(out, "%-*s %10s %7s %7.2f %7.2f at %3.0f %7.2f %7.2f %7.4f %8.2f %% %7.2f %% at %2.0f\n", width,
-                 e->label, size, fetches, r->full.pooled_psnr_db, r->full.worst_frame_db, r->full.worst_frame_deg,
+    bytes_printf(out, "%-*s %10s %7s %7.2f %7.2f at %3.0f %7.2f %7.2f %7.4f %8.2f %% %7.2f %% at %2.0f\n", width, label,
+                 size, fetches, r->full.pooled_psnr_db, r->full.worst_frame_db, r->full.worst_frame_deg,
                  r->dim.pooled_psnr_db, r->dim.worst_frame_db, r->ssim, 100 * r->relative_rms, 100 * r->albedo_error,
                  r->albedo_error_deg);
 }
