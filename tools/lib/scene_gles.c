@@ -39,6 +39,7 @@ struct scene_gles {
     nacre_gles *gles;
     void *block;
     gl_procs gl;
+    nacre_gles_lit lit; /* of the shot under way; id 0: direct shading */
     int width, height;
     char log[600]; /* the runtime's last message, one line */
 };
@@ -136,6 +137,28 @@ const char *scene_gles_description(const scene_gles *g)
     return gl_headless_description(g->context);
 }
 
+/* ---- the lit sphere of a shot ------------------------------------------------------------------------------------ */
+
+static int lit_begin(scene_gles *g, const scene *s, const nacre_material *material, failure *f)
+{
+    const nacre_gles_lit_desc desc = {.size = (uint16_t)s->lit_size};
+
+    g->lit.id = 0;
+    if (!s->distant && !s->lit_size) return FAIL_NONE;
+    return check(g, nacre_gles_lit_add(g->gles, material, &desc, &g->lit), "nacre_gles_lit_add", f);
+}
+
+/* Bring it up to date for a mesh with this centre, and draw the item by it. */
+static int lit_use(scene_gles *g, nacre_gles_item item, const nacre_q16 centre[3], const nacre_view *view, failure *f)
+{
+    const nacre_gles_lit none = {0};
+    int code;
+
+    if (!g->lit.id) return FAIL_NONE;
+    code = check(g, nacre_gles_lit_update(g->gles, g->lit, centre, view, 0), "nacre_gles_lit_update", f);
+    return code ? code : check(g, nacre_gles_use_lit(g->gles, item, g->lit, none), "nacre_gles_use_lit", f);
+}
+
 /* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
 static int draw_part(scene_gles *g, const nacre_mesh *part, const nacre_material *material, const nacre_view *view,
@@ -145,7 +168,8 @@ static int draw_part(scene_gles *g, const nacre_mesh *part, const nacre_material
     int code = check(g, nacre_gles_add(g->gles, part, material, &item), "nacre_gles_add", f);
 
     if (code) return code;
-    code = check(g, nacre_gles_draw(g->gles, item, view), "nacre_gles_draw", f);
+    code = lit_use(g, item, part->centre, view, f);
+    if (!code) code = check(g, nacre_gles_draw(g->gles, item, view), "nacre_gles_draw", f);
     nacre_gles_remove(g->gles, item);
     return code;
 }
@@ -263,7 +287,8 @@ static int draw_sphere(scene_gles *g, const scene *s, const nacre_material *mate
     buffers.count = 6; /* each batch gives its own */
     code = check(g, nacre_gles_add_buffers(g->gles, &buffers, material, &item), "nacre_gles_add_buffers", f);
     if (!code) {
-        code = draw_quads(g, s, item, &buffers, view, f);
+        code = lit_use(g, item, NULL, view, f);
+        if (!code) code = draw_quads(g, s, item, &buffers, view, f);
         nacre_gles_remove(g->gles, item);
     }
     g->gl.delete_buffers(2, name);
@@ -279,13 +304,14 @@ int scene_gles_draw(scene_gles *g, const scene *s, const nacre_material *materia
 
     if (s->width != g->width || s->height != g->height)
         return fail(f, FAIL_INTERNAL, "scene of %dx%d in a context of %dx%d", s->width, s->height, g->width, g->height);
-    if (s->distant)
-        return fail(f, FAIL_UNSUPPORTED, "more than %d lights: expected --backend double", SCENE_MAX_LIGHTS);
     g->log[0] = 0;
     scene_numbers_open(&numbers, s);
     gl_headless_clear(g->context, 0, 0, 0, 0);
-    code = s->exact_sphere ? draw_sphere(g, &numbers.scaled, material, &numbers.view, f)
-                           : draw_mesh(g, &numbers.scaled, material, &numbers.view, f);
+    code = lit_begin(g, s, material, f);
+    if (!code)
+        code = s->exact_sphere ? draw_sphere(g, &numbers.scaled, material, &numbers.view, f)
+                               : draw_mesh(g, &numbers.scaled, material, &numbers.view, f);
+    nacre_gles_lit_remove(g->gles, g->lit);
     scene_numbers_close(&numbers);
     if (!code) gl_headless_read(g->context, out);
     return code;

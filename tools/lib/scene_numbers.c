@@ -40,11 +40,26 @@ static void set_light(nacre_light *out, const scene_light *light)
     out->shadow = (nacre_q14)lrint(light->shadow * 16384);
 }
 
-static void set_view(nacre_view *view, nacre_light lights[SCENE_MAX_LIGHTS], const scene *s)
+static void set_distant(nacre_light *out, const distant_light *from)
 {
+    scene_light light = {0};
     int i;
 
-    *view = (nacre_view){.lights = lights, .light_count = (uint8_t)s->light_count, .output = (uint8_t)s->output};
+    for (i = 0; i < 3; i++) {
+        light.direction[i] = from->direction[i];
+        light.power[i] = from->irradiance[i];
+    }
+    set_light(out, &light);
+}
+
+/* lights: room for all of both kinds. */
+static void set_view(nacre_view *view, nacre_light *lights, const scene *s)
+{
+    const int distant = s->distant ? s->distant->count : 0;
+    int i;
+
+    *view = (nacre_view){
+        .lights = lights, .light_count = (uint16_t)(s->light_count + distant), .output = (uint8_t)s->output};
     view->object_to_view = mat4(s->object_to_view);
     view->view_to_clip = mat4(s->view_to_clip);
     view->distant_viewer = s->distant_viewer != 0;
@@ -55,6 +70,7 @@ static void set_view(nacre_view *view, nacre_light lights[SCENE_MAX_LIGHTS], con
     if (!view->exposure) view->exposure = 1;
     if (!view->tint.r && !view->tint.g && !view->tint.b) view->tint.r = view->tint.g = view->tint.b = 1;
     for (i = 0; i < s->light_count; i++) set_light(&lights[i], &s->light[i]);
+    for (i = 0; i < distant; i++) set_distant(&lights[s->light_count + i], &s->distant->light[i]);
 }
 
 /* The runtime's q16 numbers are exact to 1.5e-5: a mesh of millimetres, or of kilometres, is drawn scaled to about
@@ -104,10 +120,12 @@ void scene_numbers_open(scene_numbers *out, const scene *s)
         out->scaled.shape = &out->shape;
         scale_view(&out->scaled, k);
     }
+    out->lights = need_memory((size_t)(s->light_count + (s->distant ? s->distant->count : 0)), sizeof *out->lights);
     set_view(&out->view, out->lights, &out->scaled);
 }
 
 void scene_numbers_close(scene_numbers *n)
 {
     free(n->position);
+    free(n->lights);
 }

@@ -10,7 +10,7 @@ typedef struct scene_numbers { /* points into itself: leave it where it is */
     mesh shape;
     float (*position)[3];
     nacre_view view;
-    nacre_light lights[SCENE_MAX_LIGHTS];
+    nacre_light *lights; /* the scene's, then those of its set */
 } scene_numbers;
 
 void scene_numbers_open(scene_numbers *out, const scene *s);
