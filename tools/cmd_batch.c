@@ -15,7 +15,6 @@
 
 static const char usage[] =
     "nacre batch MANIFEST -o DIR [options]\n"
-    "\n"
     "MANIFEST (- for standard input) is CSV or JSON lines. CSV has the columns brdf, kind, options, output in this "
     "order, or\n"
     "as its first line names them; # begins a comment; a field with commas is quoted. JSON has objects of the same "
@@ -75,6 +74,8 @@ static int parse(batch_command *c, int argc, char **argv, failure *f)
     if (!code && c->shard) code = parse_shard(c->shard, &c->options, f);
     if (!code && c->backend) code = compare_backend_find(&c->options.backend, c->backend, f);
     if (!code && !c->options.directory) code = fail(f, FAIL_USAGE, "-o DIR is missing");
+    if (!code && c->json) code = output_apart(c->json, c->manifest, f);
+    if (!code && c->csv) code = output_apart(c->csv, c->manifest, f);
     return code;
 }
 

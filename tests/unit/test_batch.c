@@ -96,6 +96,8 @@ static void bad_command_lines(void **state)
         {"nacre batch list.csv -o x --backend d3d", 1, "d3d"},
         {"nacre batch list.csv -o x --fail-below 100", 1, "--fail-below"},
         {"nacre batch list.csv -o x --fail-below much", 1, "--fail-below"},
+        {"nacre batch list.csv -o x --csv list.csv", 1, "found the input"},
+        {"nacre batch list.csv -o x --json ./list.csv", 1, "found the input"},
         {"nacre batch missing.csv -o x", 2, "missing.csv"},
         {"nacre batch . -o x", 2, "directory"},
         {"nacre batch list.csv -o list.csv", 2, "list.csv"},
@@ -373,6 +375,7 @@ static void the_table_shows_the_same(void **state)
     }
     cJSON_ArrayForEach(group, cJSON_GetObjectItem(json, "groups"))
     {
+        if (number(group, "count") < 2) continue; /* the material's own line is all there is */
         const cJSON *mean = cJSON_GetObjectItem(group, "mean"), *worst = cJSON_GetObjectItem(group, "worst");
         snprintf(expected, sizeof expected, "grep -q '^  mean of %.0f  *%.0f  *%.0f  *%.2f  *%.2f ' table.txt",
                  number(group, "count"), number(mean, "bytes"), number(mean, "fetches"), number(mean, "pooled_psnr_db"),

@@ -74,6 +74,18 @@ static void a_terminal_shows_part_rate_and_time_left(void **state)
     assert_string_equal(text + strlen(text) - 4, "\r\033[K"); /* wiped at the end */
 }
 
+/* Two of six need no work: the rate is that of the others. */
+static void dropped_units_count_in_neither(void **state)
+{
+    (void)state;
+    progress p = {.quiet = 1};
+    progress_begin(&p, "images", 6);
+    progress_drop(&p, 2);
+    progress_add(&p, 1);
+    assert_true(p.total == 4);
+    progress_end(&p);
+}
+
 static void nothing_is_shown_in_the_first_second(void **state)
 {
     (void)state;
@@ -106,6 +118,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_terminal_shows_part_rate_and_time_left),
+        cmocka_unit_test(dropped_units_count_in_neither),
         cmocka_unit_test(nothing_is_shown_in_the_first_second),
         cmocka_unit_test(quiet_shows_nothing),
         cmocka_unit_test(a_pipe_gets_nothing),

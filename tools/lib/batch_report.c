@@ -106,7 +106,7 @@ static void print_group(const batch *b, int first, int width, FILE *out)
         else
             print_figures(out, r->figure, 0);
     }
-    if (!g.count) return;
+    if (g.count < 2) return; /* its line has said it all */
     char title[40];
     snprintf(title, sizeof title, "mean of %d", g.count);
     print_name(out, title, width);
