@@ -16,6 +16,9 @@ out mediump vec4 o_color;
 
 void main()
 {
+#if MASK
+    vec4 mask = texture2D(u_mask, v_uv);
+#endif
 #if NORMAL_MAP
     vec3 m = texture2D(u_normal_map, v_uv).rgb * 2.0 - 1.0;
     vec3 h = normalize(v_tangent * m.x + v_bitangent * m.y + v_normal * m.z) + vec3(0.0, 0.0, 1.0);
@@ -24,11 +27,10 @@ void main()
 #endif
     vec2 at = normalize(h).xy * (2.0 / 3.0) + 0.5;
     vec3 color = texture2D(u_map[0], at).rgb;
-#if MASK
-    vec4 mask = texture2D(u_mask, v_uv);
 #if MIX
-    color = mix(color, texture2D(u_map[1], at).rgb, mask.r);
+    color = (texture2D(u_map[1], at).rgb - color) * mask.r + color; // a word less on Mali-450 than mix()
 #endif
+#if MASK
     gl_FragColor = vec4(color, mask.a);
 #else
     gl_FragColor = vec4(color, 1.0);
