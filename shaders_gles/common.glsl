@@ -18,15 +18,19 @@ precision highp float;
 #define HIGHP highp
 #define UNIT mediump
 #else
+#if SPHERE && defined GL_FRAGMENT_PRECISION_HIGH
+precision highp float; // texels are few, and many lights are added up
+#else
 precision mediump float;
+#endif
 // Positions and texture coordinates of normal maps want more than 11 bits; everything else is safe in fp16.
 #ifdef GL_FRAGMENT_PRECISION_HIGH
 #define HIGHP highp
 #else
 #define HIGHP mediump
 #endif
-// Unit vectors. Tables with directions per pixel want small differences of them.
-#if PERSP && LAYERS == 0
+// Unit vectors. Tables with directions per pixel want small differences of them, pictures of lit spheres all there is.
+#if SPHERE || (PERSP && LAYERS == 0)
 #define UNIT HIGHP
 #else
 #define UNIT mediump

@@ -11,11 +11,16 @@ uniform vec4 u_ambient[1]; // radiance
 uniform HIGHP sampler2D u_sum_high;
 uniform HIGHP sampler2D u_sum_low;
 #endif
-#if PASS == PASS_SUM
+#if PASS == PASS_SUM && !ES3
 uniform vec4 u_byte[1]; // 1 0: write the high byte, 0 1: the low one
 #endif
-#if ES3
+#if PASS == PASS_SUM && ES3
+layout(location = 0) out mediump vec4 o_color; // high bytes
+layout(location = 1) out mediump vec4 o_low;
+#elif ES3
 out mediump vec4 o_color;
+#endif
+#if ES3
 #define gl_FragColor o_color
 #endif
 
@@ -106,7 +111,13 @@ void main()
 #if PASS == PASS_SUM
     HIGHP vec3 steps = min(sum, 1.0) * (65535.0 / 256.0) + 0.5 / 256.0; // nearest k, / 256
     HIGHP vec3 high = min(floor(steps), 255.0);
-    vec3 color = (high * u_byte[0].x + floor((steps - high) * 256.0) * u_byte[0].y) * (1.0 / 255.0);
+    HIGHP vec3 low = floor((steps - high) * 256.0);
+#if ES3
+    vec3 color = high * (1.0 / 255.0);
+    o_low = vec4(low * (1.0 / 255.0), 1.0);
+#else
+    vec3 color = (high * u_byte[0].x + low * u_byte[0].y) * (1.0 / 255.0);
+#endif
 #elif PASS == PASS_LAST && OUTPUT == OUTPUT_LINEAR
     vec3 color = 16.0 * sum;
 #else

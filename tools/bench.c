@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bench.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -67,4 +68,23 @@ void bench_gl_begin(bench_gl *gl)
     *(void **)&gl->finish = gl_headless_proc(NULL, "glFinish");
     *(void **)&enable = gl_headless_proc(NULL, "glEnable");
     enable(GL_DEPTH_TEST);
+}
+
+void bench_view(nacre_view *view, nacre_light *light, int count, double turn)
+{
+    static const float object_to_view[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -2, 1};
+    static const float view_to_clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -0.5f, 0, 0, 0, -1, 1};
+    const float power = 2.0f / (float)count;
+    memset(view, 0, sizeof *view);
+    memset(light, 0, sizeof *light * (size_t)count);
+    for (int i = 0; i < count; i++) {
+        double polar = 0.6 + 0.8 * i / fmax(count, 8), azimuth = 2.4 * i + turn;
+        light[i].direction = nacre_dir_from_float((float)(sin(polar) * cos(azimuth)),
+                                                  (float)(sin(polar) * sin(azimuth)), (float)cos(polar));
+        light[i].power = nacre_rgb_from_float(power, power, power);
+    }
+    view->object_to_view = nacre_mat4_from_float(object_to_view);
+    view->view_to_clip = nacre_mat4_from_float(view_to_clip);
+    view->lights = light;
+    view->light_count = (uint16_t)count;
 }

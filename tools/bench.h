@@ -7,6 +7,7 @@
 #include "failure.h"
 #include "gl_headless.h"
 #include "json.h"
+#include "nacre.h"
 
 #define BENCH_MAX_ROUNDS 101
 
@@ -17,11 +18,12 @@ typedef struct bench_settings { /* from the command line */
     gl_backend backend;
     int size;           /* pixels a side */
     int rounds, frames; /* 0: not given */
+    int budget;         /* lights a frame of spread updates */
 } bench_settings;
 
 /* A table: measure, print, and write the JSON. Returns an exit code (failure.h). */
 typedef int bench_table(const bench_settings *settings, failure *f);
-bench_table bench_models;
+bench_table bench_models, bench_paper002;
 
 /* Milliseconds a frame: medians over the rounds. */
 typedef struct bench_time {
@@ -43,5 +45,9 @@ typedef struct bench_gl {
     void (*finish)(void);
 } bench_gl;
 void bench_gl_begin(bench_gl *gl);
+
+/* The view of GLES tables: an orthographic camera on a mesh of radius 1, directional lights around the eye that together
+   give 2 of irradiance, all turned by so much about the eye. light receives `count`, and is what the view points to. */
+void bench_view(nacre_view *view, nacre_light *light, int count, double turn);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The models, shaded directly: milliseconds of CPU and wall time a frame, through the runtime, on this machine's drivers. */
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -83,31 +82,13 @@ static int add_rows(bench *b, failure *f)
     return FAIL_NONE;
 }
 
-static void make_view(nacre_view *view, nacre_light *light, int count)
-{
-    static const float object_to_view[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -2, 1};
-    static const float view_to_clip[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, -0.5f, 0, 0, 0, -1, 1}; /* orthographic */
-    memset(view, 0, sizeof *view);
-    memset(light, 0, sizeof *light * 8);
-    for (int i = 0; i < count; i++) {
-        double polar = 0.6 + 0.1 * i, azimuth = 2.4 * i;
-        light[i].direction = nacre_dir_from_float((float)(sin(polar) * cos(azimuth)),
-                                                  (float)(sin(polar) * sin(azimuth)), (float)cos(polar));
-        light[i].power = nacre_rgb_from_float(2.0f / (float)count, 2.0f / (float)count, 2.0f / (float)count);
-    }
-    view->object_to_view = nacre_mat4_from_float(object_to_view);
-    view->view_to_clip = nacre_mat4_from_float(view_to_clip);
-    view->lights = light;
-    view->light_count = (uint8_t)count;
-}
-
 static int draw_row(void *user, int index, failure *f)
 {
     bench *b = user;
     const bench_row *row = &b->row[index];
     nacre_light light[8];
     nacre_view view;
-    make_view(&view, light, row->lights);
+    bench_view(&view, light, row->lights, 0);
     gl_headless_clear(b->gl, 0, 0, 0, 0);
     for (int p = 0; p < b->part_count; p++) {
         nacre_result r = nacre_gles_draw(b->gles, row->item[p], &view);

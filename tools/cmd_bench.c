@@ -15,6 +15,7 @@ typedef struct table_entry {
 
 static const table_entry tables[] = {
     {"models", bench_models, "every model under 1, 2, 4 and 8 lights shaded directly (the default)"},
+    {"paper002", bench_paper002, "teapot and bunny by lights, as in table I of Mihalik and Durikovic: direct and lit"},
 };
 enum { TABLE_COUNT = sizeof tables / sizeof tables[0] };
 
@@ -49,7 +50,7 @@ int cmd_bench(int argc, char **argv, failure *f)
 {
     const char *table_name = "models", *backend_name = "egl2", *operand[1];
     const table_entry *chosen = NULL;
-    bench_settings s = {.size = 512};
+    bench_settings s = {.size = 512, .budget = 8};
     int operands;
     const option options[] = {
         {"--table", OPTION_TEXT, &table_name, 0, 0, "NAME", "which figures; list prints the names (models)"},
@@ -59,6 +60,7 @@ int cmd_bench(int argc, char **argv, failure *f)
         {"--size", OPTION_INT, &s.size, 16, 4096, "N", "pixels a side (512)"},
         {"--rounds", OPTION_INT, &s.rounds, 1, BENCH_MAX_ROUNDS, "N", "medians of so many (by the table)"},
         {"--frames", OPTION_INT, &s.frames, 1, 1000, "N", "frames a round (by the table)"},
+        {"--budget", OPTION_INT, &s.budget, 1, NACRE_MAX_LIT_LIGHTS, "N", "lights a frame of spread updates (8)"},
         {"--json", OPTION_TEXT, &s.json_path, 0, 0, "FILE", "the figures as JSON (- for standard output)"},
     };
     int code = options_parse(argc, argv, "nacre bench [--table NAME] [options]", options,

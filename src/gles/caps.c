@@ -83,6 +83,7 @@ nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl)
         return NACRE_ERR_UNSUPPORTED;
 
     c.es3 = c.desktop ? version >= 43 || has_extension(gl, major, "GL_ARB_ES3_compatibility") : version >= 30;
+    c.es3_texts = c.es3 && gl->DrawBuffers;
     c.level_limit = c.unpack_rows = c.desktop || c.es3;
     c.npot = c.desktop || c.es3 || has_extension(gl, major, "GL_OES_texture_npot");
     c.index_uint = c.desktop || c.es3 || has_extension(gl, major, "GL_OES_element_index_uint");
@@ -126,6 +127,7 @@ static const struct {
     ROW(GenVertexArrays, 30, 30, "OES", "GL_OES_vertex_array_object"),
     ROW(DeleteVertexArrays, 30, 30, "OES", "GL_OES_vertex_array_object"),
     ROW(BindVertexArray, 30, 30, "OES", "GL_OES_vertex_array_object"),
+    ROW(DrawBuffers, 30, 20, "", ""),
     ROW(BindSampler, 30, 33, "", ""),
     ROW(GetGraphicsResetStatus, 32, 45, "KHR", "GL_KHR_robustness"),
     ROW(GetGraphicsResetStatus, 0, 0, "EXT", "GL_EXT_robustness"),

@@ -76,7 +76,7 @@ void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, u
     key->pass = (uint8_t)pass;
     key->output = draw->view->output;
     key->normal_map = draw->item->image[NACRE_ROLE_NORMAL] != NULL;
-    key->es3 = gles->caps.es3 && !gles->desc.prefer_es2;
+    key->es3 = gles_uses_es3(gles);
     key->persp = lights && shade_needs_persp(draw->view);
     key->ambient = has_ambient(draw->view);
     if (key->persp && material->model == NACRE_MODEL_SPHERES)

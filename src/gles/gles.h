@@ -19,7 +19,8 @@
 
 typedef struct gles_caps {
     uint8_t desktop;          /* desktop GL with ES 2.0 compatibility, as OSMesa gives */
-    uint8_t es3;              /* takes GLSL ES 3.00 */
+    uint8_t es3;              /* is ES 3, or desktop GL compatible with it */
+    uint8_t es3_texts;        /* takes GLSL ES 3.00, and programs that write two targets */
     uint8_t level_limit;      /* has GL_TEXTURE_MAX_LEVEL */
     uint8_t unpack_rows;      /* has GL_UNPACK_ROW_LENGTH and its kin, and pixel unpack buffers */
     uint8_t npot;             /* mips and repetition of textures whose sides are no powers of two */
@@ -135,6 +136,12 @@ struct nacre_gles {
 /* caps.c */
 nacre_result gles_procs_load(nacre_gles *gles);
 nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl);
+
+/* 1: programs are GLSL ES 3.00, else 1.00. */
+static inline int gles_uses_es3(const nacre_gles *gles)
+{
+    return gles->caps.es3_texts && !gles->desc.prefer_es2;
+}
 
 /* lost.c: results, messages, and the life of GL objects */
 /* Log text and detail (may be NULL) as one message; returns result. */

@@ -20,10 +20,10 @@ typedef enum gles_key_model {
     GLES_KEY_LIT /* draws by lit spheres: no lights of its own */
 } gles_key_model;
 
-/* Passes, for light counts that one program can't hold. SUM is drawn twice into two RGBA8 targets of the viewport's size,
-   for the high and for the low byte of the new sum (uniform u_byte): it reads both bytes of the previous sum, which is 0
-   before the first lights, and adds its 1, 2, 4 or 8 lights. One program for both, so that both round alike. LAST has no
-   lights: it reads the sum, adds ambient, encodes to the caller's target. Sums are kept in 16 bits and clamped to 1 (srgb,
+/* Passes, for light counts that one program can't hold. SUM reads both bytes of the previous sum, which is 0 before the first
+   lights, adds its 1, 2, 4 or 8 lights, and writes two RGBA8 targets of the viewport's size, one for the high and one for the
+   low byte of the new sum: at once in ES 3; else it is drawn twice (uniform u_byte), one program so that both round alike.
+   LAST has no lights: it reads the sum, adds ambient, encodes to the caller's target. Sums are kept in 16 bits and clamped to 1 (srgb,
    sqrt) or to 16 (linear output, held x 1/16; gles_uniforms_set scales). The previous sum is read with texture2DProj at
    the pixel's own place: nearest filter, clamp to edge; the viewport is the whole target. */
 typedef enum gles_key_pass { GLES_PASS_NONE, GLES_PASS_SUM, GLES_PASS_LAST } gles_key_pass;

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Draws in passes: lights that one program can't hold are summed in render targets, 16 bits a channel in two RGBA8
- * textures, and the last pass adds, encodes and writes to the caller's framebuffer. ES 2.0 writes one target at a time,
- * so every sum is drawn twice, for its high and for its low bytes. Encoded values are never blended.
+ * textures, and the last pass adds, encodes and writes to the caller's framebuffer. ES 2.0 writes one target at a time:
+ * there every sum is drawn twice, for its high and for its low bytes. Encoded values are never blended.
  */
 #include "gles.h"
 
@@ -145,12 +145,26 @@ void gles_sum_delete(nacre_gles *gles, gles_sum *sum)
     memset(sum, 0, sizeof *sum);
 }
 
+/* Let one draw write both bytes. */
+static nacre_result join_bytes(nacre_gles *gles, const gles_sum *sum)
+{
+    static const gl_enum both[2] = {GLES_COLOR_ATTACHMENT0, GLES_COLOR_ATTACHMENT1};
+    const gles_procs *gl = &gles->gl;
+    const gl_enum target = gles_draw_target(gles);
+    gl->BindFramebuffer(target, sum->framebuffer[0]);
+    gl->FramebufferTexture2D(target, GLES_COLOR_ATTACHMENT1, GLES_TEXTURE_2D, sum->texture[1], 0);
+    gl->DrawBuffers(2, both);
+    if (gl->CheckFramebufferStatus(target) == GLES_FRAMEBUFFER_COMPLETE) return NACRE_OK;
+    return gles_gl_failed(gles, "render target of two textures is not complete");
+}
+
 nacre_result gles_sum_make(nacre_gles *gles, gles_sum *sum, gl_int width, gl_int height, gl_uint depth)
 {
     nacre_result result = NACRE_OK;
     unsigned i;
     for (i = 0; i < 2 && !result; i++)
         result = gles_target_make(gles, &sum->texture[i], &sum->framebuffer[i], width, height, 0, GLES_NEAREST, depth);
+    if (!result && gles_uses_es3(gles)) result = join_bytes(gles, sum);
     if (result && gles->lost) memset(sum, 0, sizeof *sum);
     if (result) {
         gles_sum_delete(gles, sum);
@@ -251,8 +265,8 @@ nacre_result gles_sum_pass(nacre_gles *gles, gles_draw *draw, gles_saved *saved,
     result = gles_pass_bind(gles, draw, saved, &key, first_light, &program);
     if (result) return result;
     bind_sum(gles, draw, saved, &key, &sum[from]);
-    for (byte = 0; byte < 2; byte++) {
-        gles_uniforms_set_byte(gl, &program->at, byte);
+    for (byte = 0; byte < (key.es3 ? 1u : 2u); byte++) {
+        if (!key.es3) gles_uniforms_set_byte(gl, &program->at, byte);
         gl->BindFramebuffer(gles_draw_target(gles), sum[1 - from].framebuffer[byte]);
         gl->Clear(GLES_COLOR_BUFFER_BIT | GLES_DEPTH_BUFFER_BIT);
         gles_issue(gles, draw->item);

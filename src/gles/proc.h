@@ -133,6 +133,7 @@ enum {
     GLES_RENDERBUFFER_BINDING = 0x8CA7,
     GLES_FRAMEBUFFER_COMPLETE = 0x8CD5,
     GLES_COLOR_ATTACHMENT0 = 0x8CE0,
+    GLES_COLOR_ATTACHMENT1 = 0x8CE1,
     GLES_DEPTH_ATTACHMENT = 0x8D00,
     GLES_DEPTH_COMPONENT16 = 0x81A5
 };
@@ -218,6 +219,7 @@ enum {
     V(GenVertexArrays, (gl_sizei n, gl_uint *names), (n, names))                                                       \
     V(DeleteVertexArrays, (gl_sizei n, const gl_uint *names), (n, names))                                              \
     V(BindVertexArray, (gl_uint name), (name))                                                                         \
+    V(DrawBuffers, (gl_sizei n, const gl_enum *buffers), (n, buffers))                                                 \
     V(BindSampler, (gl_uint unit, gl_uint sampler), (unit, sampler))                                                   \
     R(gl_enum, GetGraphicsResetStatus, (void), ())
 /* clang-format on */

@@ -83,7 +83,8 @@ shade_form gles_key_form(const gles_key *key)
 
 unsigned gles_key_uniform_vectors(const gles_key *key)
 {
-    const unsigned lights = key->lights, common = (key->ambient ? 1 : 0) + (key->pass == GLES_PASS_SUM ? 1 : 0);
+    const unsigned lights = key->lights,
+                   common = (key->ambient ? 1 : 0) + (key->pass == GLES_PASS_SUM && !key->es3 ? 1 : 0);
 
     if (!lights) return common;
     if (is_table(key)) {

@@ -440,6 +440,12 @@ static void on_ActiveTexture(gl_enum unit)
         set_error(INVALID_ENUM);
 }
 
+static void on_DrawBuffers(gl_sizei n, const gl_enum *buffers)
+{
+    for (gl_sizei i = 0; i < n; i++)
+        if (!f.framebuffer || buffers[i] != GLES_COLOR_ATTACHMENT0 + (gl_enum)i) set_error(INVALID_OPERATION);
+}
+
 static void on_BindSampler(gl_uint unit, gl_uint sampler)
 {
     if (unit < UNITS) f.sampler[unit] = sampler;
@@ -983,6 +989,7 @@ static uintptr_t after(int proc, uintptr_t r)
 #define lost_DrawElements(...)             (void)0
 #define lost_DeleteVertexArrays(...)       (void)0
 #define lost_BindVertexArray(...)          (void)0
+#define lost_DrawBuffers(...)              (void)0
 #define lost_BindSampler(...)              (void)0
 
 GLES_PROCS(WRAP_V, WRAP_R)
@@ -1051,7 +1058,7 @@ static int find_extension_proc(const char *name)
     memcpy(plain, name, n - 3);
     plain[n - 3] = 0;
     const int i = find_proc(plain);
-    const int khr = i == P_GetGraphicsResetStatus, oes = i > P_GetStringi && i < P_BindSampler;
+    const int khr = i == P_GetGraphicsResetStatus, oes = i > P_GetStringi && i < P_DrawBuffers;
     return (khr && !strcmp(name + n - 3, "KHR")) || (oes && !strcmp(name + n - 3, "OES")) ? i : -1;
 }
 
