@@ -62,6 +62,33 @@ typedef struct nacre_soft_lit {
     uint16_t size;      /* 8..512 */
 } nacre_soft_lit;
 
+/* What a lit sphere shows. */
+typedef struct nacre_soft_lit_desc {
+    const nacre_material
+        *material;          /* TABLE, or SPHERES without the cosine; texels RGB8 or RGBA8. Its normal map and mask
+                                       are ignored */
+    const nacre_view *view; /* lights (all directional, up to NACRE_MAX_LIT_LIGHTS: `nacre bake lights` makes them of an
+                               environment), exposure, ambient, tint, output; camera and object_to_view for the
+                               direction to the eye */
+    nacre_q16 centre[3];    /* of the mesh, object space: what the eye's direction is taken from */
+    uint16_t size;          /* texels a side, 8..512: 64 for matt, 128 to 256 for glossy materials */
+    uint8_t format;         /* nacre_soft_format (RGB565): the frame's */
+    const nacre_soft_kernels *kernels; /* (portable) */
+} nacre_soft_lit_desc;
+
+/* Bytes of scratch, 4-byte aligned, for so many rows at once: about 3,100 + 16 (fine: 32) a column of the table + 30 x size
+   a row. One row is enough; more are faster with many lights, whose set-up is repeated for each portion. 0: desc is not
+   valid. */
+size_t nacre_soft_lit_scratch_size(const nacre_soft_lit_desc *desc, unsigned rows);
+
+/* Shade rows y0..y1-1 of the picture whose first texel is at texels (size x size, tight). All lights are summed in linear
+   radiance, 16 bits or more a channel, and encoded once. To spread an update over frames, shade some rows a frame into a
+   second picture under one and the same view, and swap them: the bits do not depend on the portions.
+   NACRE_ERR_ARGUMENT: desc, rows or a pointer not valid. NACRE_ERR_MEMORY: scratch for less than a row.
+   NACRE_ERR_ASSET / UNSUPPORTED: a material that this backend can't draw, or a point light. */
+nacre_result nacre_soft_lit_rows(const nacre_soft_lit_desc *desc, void *texels, unsigned y0, unsigned y1, void *scratch,
+                                 size_t scratch_size);
+
 typedef enum nacre_soft_cull { NACRE_SOFT_CULL_BACK = 0, NACRE_SOFT_CULL_NONE, NACRE_SOFT_CULL_FRONT } nacre_soft_cull;
 
 typedef struct nacre_soft_item {

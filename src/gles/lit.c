@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-#define PICTURE_HALF   (3 * NACRE_Q16_ONE / 4) /* normals up to 97 degrees from the eye; lit.frag has its inverse */
+#define PICTURE_HALF   SHADE_LIT_HALF_Q16 /* lit.frag has its inverse */
 #define SIZE_DEFAULT   128
 #define SIZE_LEAST     16
 #define SIZE_MOST      512

@@ -164,6 +164,10 @@ uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16);
 /* Texel (column, row) of the power table of nacre_asset.h, 0..65535; width, height 2..4096. Set-up. */
 uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsigned height);
 
+/* Pictures of lit spheres are indexed by x and y of the bisector of normal and eye, this far to each side (3/4: normals up to
+   97 degrees from the eye), on every backend. */
+#define SHADE_LIT_HALF_Q16 49152
+
 /* ---- between the files of this room ----------------------------------------------------------- */
 
 /* What a model's file needs to know of one light. */
