@@ -6,11 +6,14 @@
 #include <stdlib.h>
 
 #include "metric.h"
+#include "vec3.h"
 
 #define PI 3.14159265358979323846
 
-/* Pixels of the upper half of a small sphere (isotropic materials look the same below), every 10 degrees of light. */
-enum { SIZE = 32, LIGHTS = 18 };
+/* Pixels of the upper half of the metric's sphere (isotropic materials look the same below), every 10 degrees of light: all of
+   them about the highlight, which may be few pixels wide, and the middle one of 3 x 3 elsewhere. */
+enum { SIZE = METRIC_SIZE, LIGHTS = 18 };
+#define HIGHLIGHT 0.99 /* n.h above it: within 8 degrees of the mirror direction's normal */
 
 static void show(double exposure, const brdf *b, const display_sample *s, double shown[3])
 {
@@ -28,6 +31,10 @@ display_fit display_fit_begin(const brdf *b, double exposure)
         if (!metric_normal(i % SIZE, i / SIZE % (SIZE / 2), SIZE, normal)) continue;
         metric_local(normal, 10.0 * (i / (SIZE * SIZE / 2)), s->to_light, s->to_eye);
         if (s->to_light[2] <= 0) continue;
+        double n_dot_h = (s->to_light[2] + s->to_eye[2]) / sqrt(2 + 2 * dot3(s->to_light, s->to_eye));
+        int is_highlight = n_dot_h > HIGHLIGHT, is_middle = i % SIZE % 3 == 1 && i / SIZE % (SIZE / 2) % 3 == 1;
+        if (!is_highlight && !is_middle) continue;
+        s->weight = is_highlight ? 1.0 / 3 : 1;
         show(exposure, b, s, s->shown);
         fit.count++;
     }
@@ -56,7 +63,7 @@ static int residuals(void *user, int m, int n, const double *x, double *out, int
     for (int i = 0; i < p->fit->count; i++) {
         double shown[3];
         show(p->fit->exposure, b, &p->fit->sample[i], shown);
-        for (int c = 0; c < 3; c++) out[3 * i + c] = shown[c] - p->fit->sample[i].shown[c];
+        for (int c = 0; c < 3; c++) out[3 * i + c] = p->fit->sample[i].weight * (shown[c] - p->fit->sample[i].shown[c]);
     }
     brdf_close(b);
     return 0;

@@ -9,6 +9,7 @@
 typedef struct display_sample {
     double to_light[3], to_eye[3];
     double shown[3]; /* sRGB of clamped pi E f_r n.l */
+    double weight;   /* root of the area it stands for */
 } display_sample;
 
 typedef struct display_fit {
