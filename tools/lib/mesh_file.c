@@ -3,25 +3,17 @@
 #include <assimp/cimport.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
+#include "apart.h"
 #include "mesh_inner.h"
 #include "vec3.h"
 
 enum { MAX_CORNERS = 3 << 26, MAX_NODE_DEPTH = 256 };
-
-enum { TIME_LIMIT_SECONDS = 10 }; /* and as many as the file has MB */
 
 /* ---- assimp's scene ----------------------------------------------------------------------- */
 
@@ -243,15 +235,7 @@ typedef struct reply { /* then the arrays in the order of struct mesh */
 
 static int transfer(int fd, void *data, size_t size, int out)
 {
-    uint8_t *at = data;
-    while (size) {
-        ssize_t n = out ? write(fd, at, size) : read(fd, at, size);
-        if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) return -1;
-        at += n;
-        size -= (size_t)n;
-    }
-    return 0;
+    return out ? apart_write(fd, data, size) : apart_read(fd, data, size);
 }
 
 static int transfer_arrays(int fd, mesh *m, int out)
@@ -264,47 +248,22 @@ static int transfer_arrays(int fd, mesh *m, int out)
            transfer(fd, m->index, (size_t)m->index_count * sizeof *m->index, out);
 }
 
-/* The child: whatever assimp prints is lost, only the reply counts. Exit code 0: the reply is whole. */
-static _Noreturn void run_child(int fd, const char *name, unsigned seconds)
+/* In the child: only the reply counts. */
+static int reply_with_mesh(int fd, const char *name)
 {
-#ifndef __SANITIZE_ADDRESS__ /* reserves more address space than any limit */
-    /* Enough for any mesh of MAX_CORNERS, and an end for files that claim to hold more. */
-    const struct rlimit limit = {(rlim_t)8 << 30, (rlim_t)8 << 30};
-    setrlimit(RLIMIT_AS, &limit);
-#endif
-    int null = open("/dev/null", O_WRONLY);
-    if (null < 0 || dup2(null, STDOUT_FILENO) < 0 || dup2(null, STDERR_FILENO) < 0) _exit(1);
-    alarm(seconds);
     mesh m = {0};
     failure f = {0};
     reply r = {.code = import_here(&m, name, &f)};
     r.vertex_count = m.vertex_count;
     r.index_count = m.index_count;
     memcpy(r.text, f.text, sizeof r.text);
-    int bad = transfer(fd, &r, sizeof r, 1) || (!r.code && transfer_arrays(fd, &m, 1));
-    _exit(bad ? 1 : 0);
-}
-
-static int wait_child(pid_t child, const char *name, unsigned seconds, failure *f)
-{
-    int status;
-    while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return fail(f, FAIL_INTERNAL, "%s: mesh loader: %s", name, strerror(errno));
-    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGALRM)
-        return fail(f, FAIL_INVALID, "%s: not a mesh that can be read: the loader was not done after %u seconds", name,
-                    seconds);
-    if (WIFSIGNALED(status))
-        return fail(f, FAIL_INVALID, "%s: not a mesh that can be read: the loader broke off (signal %d)", name,
-                    WTERMSIG(status));
-    if (WEXITSTATUS(status)) return fail(f, FAIL_INTERNAL, "%s: mesh loader: out of memory", name);
-    return FAIL_NONE;
+    return transfer(fd, &r, sizeof r, 1) || (!r.code && transfer_arrays(fd, &m, 1));
 }
 
 static int take_reply(mesh *out, int fd, const char *name, failure *f)
 {
     reply r;
-    if (lseek(fd, 0, SEEK_SET) < 0 || transfer(fd, &r, sizeof r, 0))
-        return fail(f, FAIL_INTERNAL, "%s: mesh loader: no reply", name);
+    if (transfer(fd, &r, sizeof r, 0)) return fail(f, FAIL_INTERNAL, "%s: mesh loader: no reply", name);
     if (r.code) return fail(f, r.code, "%s", r.text);
     mesh m = mesh_make(name, r.vertex_count, r.index_count);
     if (transfer_arrays(fd, &m, 0)) {
@@ -317,16 +276,9 @@ static int take_reply(mesh *out, int fd, const char *name, failure *f)
 
 int mesh_import(mesh *out, const char *name, failure *f)
 {
-    int fd = memfd_create("nacre mesh", MFD_CLOEXEC);
-    if (fd < 0) return fail(f, FAIL_INTERNAL, "%s: mesh loader: %s", name, strerror(errno));
-    struct stat status;
-    unsigned seconds = TIME_LIMIT_SECONDS + (stat(name, &status) ? 0 : (unsigned)(status.st_size >> 20));
-    fflush(NULL); /* or the child might print our buffers again */
-    pid_t child = fork();
-    if (child == 0) run_child(fd, name, seconds);
-    int code = child < 0 ? fail(f, FAIL_INTERNAL, "%s: mesh loader: %s", name, strerror(errno))
-                         : wait_child(child, name, seconds, f);
-    if (!code) code = take_reply(out, fd, name, f);
+    int fd, code = apart_run(reply_with_mesh, name, "mesh", &fd, f);
+    if (code) return code;
+    code = take_reply(out, fd, name, f);
     close(fd);
     return code;
 }
