@@ -38,5 +38,6 @@ int bake_write_outputs(const bake_common *c, const bytes *file, const char *inpu
 
 int bake_lights(int argc, char **argv, failure *f);
 int bake_power(int argc, char **argv, failure *f);
+int bake_sbrdf(int argc, char **argv, failure *f);
 
 #endif

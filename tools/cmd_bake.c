@@ -88,6 +88,8 @@ static const struct {
 } others[] = {
     {"lights", bake_lights, "an environment map as directional lights"},
     {"mesh", bake_mesh, "shapes for firmware: vertices and indices as C source or as bytes"},
+    {"sbrdf", bake_sbrdf,
+     "materials that vary over the surface, from maps, a painting's text, glTF or a measured stack"},
     {"power", bake_power, "x^n as a table, for materials that vary over the surface"},
 };
 

@@ -14,6 +14,9 @@ struct brdf {
     int (*eval)(const brdf *b, const double to_light[3], const double to_eye[3], double f_r[3]);
     /* f_r x max(to_light z, 0), for sources that store that product (NULL: eval x cosine). */
     int (*eval_cosine)(const brdf *b, const double to_light[3], const double to_eye[3], double out[3]);
+    /* Materials that vary over the surface: f_r at texture coordinates u, v (v = 0 is a picture's last row). NULL for all
+       others; eval then has the mean over the surface. */
+    void (*eval_at)(const brdf *b, const double uv[2], const double to_light[3], const double to_eye[3], double f_r[3]);
     int lit_past_terminator; /* eval_cosine also answers for to_light z <= 0: pictures that hold the cosine and are turned */
     void (*close)(brdf *b); /* frees b itself too */
     char name[256];         /* as given: "merl:gold.binary", "ggx:rough=.3" */

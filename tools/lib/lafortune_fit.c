@@ -6,78 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double pi = 3.14159265358979323846;
-
-/* Values of a BRDF over pairs of directions. */
-enum { MAX_VIEWS = 72 };
-typedef struct pairs {
-    lafortune_samples samples;
-    int views, view_end[MAX_VIEWS]; /* samples of one view follow each other */
-    double (*direction)[6];         /* to_light, to_eye */
-    double *value;                  /* 3 a sample */
-} pairs;
-
-/* How densely directions are sampled. */
-typedef struct density {
-    int views, azimuths, half, around;
-    double step;
-} density;
-
-static const density isotropic = {16, 1, 32, 16, 5}, anisotropic = {6, 12, 24, 24, 15};
-
-static pairs pairs_make(int most)
-{
-    pairs p = {{0, need_memory((size_t)most, sizeof(double[3])), need_memory((size_t)most, sizeof(double))},
-               0,
-               {0},
-               need_memory((size_t)most, sizeof(double[6])),
-               need_memory((size_t)most, sizeof(double[3]))};
-    return p;
-}
-
-static void pairs_free(pairs *p)
-{
-    free(p->samples.product);
-    free(p->samples.weight);
-    free(p->direction);
-    free(p->value);
-}
-
-/* Light directions by their half vectors, close together around the normal: theta_half = 90 degrees x u^4, u in the
-   middles of steps; d(light) = 4 l.h d(half). Isotropic materials: azimuths of one side. */
-static void add_view(pairs *p, const density *d, double view_polar, double view_azimuth)
-{
-    double side = d->azimuths > 1 ? 2 * pi : pi;
-    double v[3] = {sin(view_polar) * cos(view_azimuth), sin(view_polar) * sin(view_azimuth), cos(view_polar)};
-    for (int i = 0; i < d->half * d->around; i++) {
-        double u = (i / d->around + 0.5) / d->half, theta = pi / 2 * u * u * u * u;
-        double azimuth = view_azimuth + side * (i % d->around + 0.5) / d->around;
-        double h[3] = {sin(theta) * cos(azimuth), sin(theta) * sin(azimuth), cos(theta)};
-        double v_dot_h = v[0] * h[0] + v[1] * h[1] + v[2] * h[2], l[3];
-        for (int k = 0; k < 3; k++) l[k] = 2 * v_dot_h * h[k] - v[k];
-        if (!(v_dot_h > 0 && l[2] > 0)) continue;
-        int at = p->samples.count++;
-        double solid_angle = 4 * v_dot_h * sin(theta) * u * u * u;
-        p->samples.weight[at] = sqrt(solid_angle) * l[2];
-        for (int k = 0; k < 3; k++) {
-            p->samples.product[at][k] = l[k] * v[k];
-            p->direction[at][k] = l[k];
-            p->direction[at][3 + k] = v[k];
-        }
-    }
-    p->view_end[p->views++] = p->samples.count;
-}
-
-static pairs pairs_of(int is_anisotropic)
-{
-    const density *d = is_anisotropic ? &anisotropic : &isotropic;
-    pairs p = pairs_make(d->views * d->azimuths * d->half * d->around);
-    for (int i = 0; i < d->views * d->azimuths; i++)
-        add_view(&p, d, (i / d->azimuths) * d->step * (pi / 180), 2 * pi * (i % d->azimuths) / d->azimuths);
-    return p;
-}
-
-static double squares_of(const pairs *p, int channel, int from, int to)
+static double squares_of(const lafortune_pairs *p, int channel, int from, int to)
 {
     double sum = 0;
     for (int i = from; i < to; i++) {
@@ -88,7 +17,7 @@ static double squares_of(const pairs *p, int channel, int from, int to)
 }
 
 /* Every view counts the same: at grazing angles f_r cos is so large that the others would not be seen. */
-static void level_views(pairs *p)
+static void level_views(lafortune_pairs *p)
 {
     for (int k = 0, from = 0; k < p->views; from = p->view_end[k++]) {
         double squares = 0;
@@ -98,7 +27,7 @@ static void level_views(pairs *p)
 }
 
 /* Values where b has them; pairs without data count for nothing. */
-static int evaluate(const brdf *b, pairs *p, failure *f)
+static int evaluate(const brdf *b, lafortune_pairs *p, failure *f)
 {
     int finite = 1, lit = 0;
 #pragma omp parallel for schedule(static) reduction(&& : finite) reduction(|| : lit)
@@ -131,7 +60,7 @@ static void take_channel(lafortune_fit *out, const lafortune_shared *s, int from
     }
 }
 
-static int is_grey(const pairs *p)
+static int is_grey(const lafortune_pairs *p)
 {
     for (int i = 0; i < p->samples.count; i++) {
         const double *value = p->value + 3 * (size_t)i;
@@ -141,7 +70,7 @@ static int is_grey(const pairs *p)
 }
 
 /* One channel's values alone; the caller frees them. */
-static double *channel_values(const pairs *p, int c)
+static double *channel_values(const lafortune_pairs *p, int c)
 {
     double *value = need_memory((size_t)p->samples.count, sizeof *value);
     for (int i = 0; i < p->samples.count; i++) value[i] = p->value[3 * (size_t)i + (size_t)c];
@@ -149,7 +78,7 @@ static double *channel_values(const pairs *p, int c)
 }
 
 /* Channels that are all the same are fitted as one, in a third of the time. */
-static void fit_shared(lafortune_fit *out, const pairs *p, const lafortune_options *options)
+static void fit_shared(lafortune_fit *out, const lafortune_pairs *p, const lafortune_options *options)
 {
     lafortune_shared s;
     double *grey = is_grey(p) ? channel_values(p, 0) : NULL;
@@ -160,7 +89,7 @@ static void fit_shared(lafortune_fit *out, const pairs *p, const lafortune_optio
     take_channel(out, &s, 0, 3);
 }
 
-static void fit_channels(lafortune_fit *out, const pairs *p, const lafortune_options *options)
+static void fit_channels(lafortune_fit *out, const lafortune_pairs *p, const lafortune_options *options)
 {
     double squares[3], error[3][LAFORTUNE_MAX_LOBES + 1], total = 0;
     lafortune_shared s[3];
@@ -192,8 +121,12 @@ static double starts_for(int lobes)
 
 int lafortune_fit_brdf(lafortune_fit *out, const brdf *b, const lafortune_fit_options *options, failure *f)
 {
-    lafortune_options solver = {.anisotropic = b->anisotropic, .n_max = options->n_max, .progress = options->progress};
-    pairs p = pairs_of(b->anisotropic);
+    lafortune_options solver = {.anisotropic = b->anisotropic,
+                                .n_min = options->n_min,
+                                .n_max = options->n_max,
+                                .grazing_max = options->grazing_max,
+                                .progress = options->progress};
+    lafortune_pairs p = lafortune_pairs_make(LAFORTUNE_FINE, b->anisotropic);
     memset(out, 0, sizeof *out);
     out->lobes = options->lobes ? options->lobes : LAFORTUNE_MAX_LOBES;
     out->per_channel = options->per_channel;
@@ -208,7 +141,7 @@ int lafortune_fit_brdf(lafortune_fit *out, const brdf *b, const lafortune_fit_op
             fit_shared(out, &p, &solver);
         progress_end(options->progress);
     }
-    pairs_free(&p);
+    lafortune_pairs_free(&p);
     return code;
 }
 
@@ -223,7 +156,7 @@ brdf *lafortune_fit_open(const lafortune_fit *fit)
 
 int lafortune_fit_error(const brdf *b, const brdf *other, double *error, failure *f)
 {
-    pairs p = pairs_of(b->anisotropic || other->anisotropic);
+    lafortune_pairs p = lafortune_pairs_make(LAFORTUNE_FINE, b->anisotropic || other->anisotropic);
     int code = evaluate(b, &p, f);
     double squares = 0, total = 0;
     for (int i = 0; i < p.samples.count && !code; i++) {
@@ -237,7 +170,7 @@ int lafortune_fit_error(const brdf *b, const brdf *other, double *error, failure
         }
     }
     *error = sqrt(squares / total);
-    pairs_free(&p);
+    lafortune_pairs_free(&p);
     return code;
 }
 

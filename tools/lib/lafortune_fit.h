@@ -10,14 +10,16 @@
 #define LAFORTUNE_FIT_H
 
 #include "json.h"
-#include "lafortune_solve.h"
+#include "lafortune_pairs.h"
 #include "models.h"
 #include "progress.h"
 
 typedef struct lafortune_fit_options {
-    int lobes;       /* (3) 1..3 */
-    int per_channel; /* 0: c and n shared by R G B (McAllister et al. 2002); 1: each channel on its own */
-    double n_max;    /* (1e5) largest exponent; 255 for maps of 8 bits */
+    int lobes;          /* (3) 1..3 */
+    int per_channel;    /* 0: c and n shared by R G B (McAllister et al. 2002); 1: each channel on its own */
+    double n_min;       /* (0.25) least exponent */
+    double n_max;       /* (1e5) largest exponent; 255 for maps of 8 bits */
+    double grazing_max; /* as in lafortune_options */
     progress *progress;
 } lafortune_fit_options;
 

@@ -17,7 +17,6 @@ enum {
     MAX_PER_LOBE = 3,                      /* polar angle of c, its azimuth if anisotropic, log n */
     MAX_UNKNOWNS = LAFORTUNE_MAX_LOBES * MAX_PER_LOBE
 };
-static const double n_min = 0.25;
 
 /* A lobe as the solver moves it: c along (-sqrt2 sin polar cos azimuth, -sqrt2 sin polar sin azimuth, cos polar);
    isotropic at azimuth 45 degrees, the mirror direction at polar 45 degrees. */
@@ -78,7 +77,7 @@ static void shape_to_c(const shape *s, double c[3])
 
 static shape shape_of(const lafortune_shared_lobe *lobe)
 {
-    shape s = {0, pi / 4, log(fmax(lobe->n, n_min))};
+    shape s = {0, pi / 4, log(fmax(lobe->n, 1e-3))};
     double across = hypot(lobe->c[0], lobe->c[1]) / sqrt(2);
     if (lobe->c[0] == lobe->c[1]) { /* the sign is in the polar angle */
         s.polar = atan2(-lobe->c[0], lobe->c[2]);
@@ -89,9 +88,22 @@ static shape shape_of(const lafortune_shared_lobe *lobe)
     return s;
 }
 
+/* A lobe that grows towards the horizon has its peak where nothing is sampled. With the largest part across being 1, the sum
+   in the mirror direction is 1 - (1 - cz) cos^2 of the polar angle. */
+static void hold_back(const lafortune_problem *p, shape *s)
+{
+    static const double cosine_squared = 0.0669873; /* of 75 degrees */
+    if (!(p->options.grazing_max > 1)) return;
+    double n = fmin(fmax(exp(s->log_n), p->options.n_min), p->options.n_max);
+    double least = fmax(1 - (1 - pow(p->options.grazing_max, -1 / n)) / cosine_squared, -1); /* |C| up to 1 */
+    double across = sqrt(2) * fmax(fabs(cos(s->azimuth)), fabs(sin(s->azimuth))), sine = sin(s->polar);
+    if (cos(s->polar) >= least * across * fabs(sine)) return;
+    s->polar = atan2(sine < 0 ? -1 : 1, least * across);
+}
+
 static double exponent_of(const lafortune_problem *p, const shape *s)
 {
-    return fmin(fmax(exp(s->log_n), n_min), p->options.n_max);
+    return fmin(fmax(exp(s->log_n), p->options.n_min), p->options.n_max);
 }
 
 /* The lobe's column, and the derivatives by its unknowns if slope is not NULL. The scale of c does not matter (the
@@ -104,11 +116,13 @@ static void lobe_column(const lafortune_problem *p, const shape *s, double *colu
     double by_polar[3] = {-sqrt(2) * cos(s->polar) * cos(s->azimuth), -sqrt(2) * cos(s->polar) * sin(s->azimuth),
                           -sin(s->polar)};
     double by_azimuth[2] = {-c[1], c[0]};
-    int inside = exp(s->log_n) > n_min && exp(s->log_n) < p->options.n_max;
+    int inside = exp(s->log_n) > p->options.n_min && exp(s->log_n) < p->options.n_max;
+    double highest = 0;
     for (int i = 0; i < p->count; i++) {
         const double *q = p->product[i];
         double sum = scale * (c[0] * q[0] + c[1] * q[1] + c[2] * q[2]);
         double logarithm = sum > 1e-300 ? log(sum) : 0;
+        highest = fmax(highest, sum);
         column[i] = sum > 1e-300 ? p->weight[i] * exp(n * logarithm) : 0;
         if (!slope) continue;
         double by_sum = sum > 1e-300 ? scale * n * column[i] / sum : 0;
@@ -116,6 +130,9 @@ static void lobe_column(const lafortune_problem *p, const shape *s, double *colu
         slope[p->count + i] = inside ? n * logarithm * column[i] : 0;
         if (p->per_lobe == 3) slope[2 * p->count + i] = by_sum * (by_azimuth[0] * q[0] + by_azimuth[1] * q[1]);
     }
+    /* a sharp lobe between all samples could be of any strength: it is not to be had */
+    if (p->options.grazing_max > 1 && pow(fmin(highest, 1), n) * 2 * p->options.grazing_max < 1)
+        memset(column, 0, (size_t)p->count * sizeof *column);
 }
 
 static double dot(const double *a, const double *b, int count)
@@ -286,11 +303,14 @@ static double descend(lafortune_problem *p, shape *s, int lobes)
     }
     for (int i = 0; i < unknowns; i++) scale[i] = 1;
     if (rows >= unknowns)
-        lmder(residual_or_jacobian, p, rows, unknowns, x, p->residual, p->jacobian, rows, 1e-8, 1e-7, 0,
+        lmder(residual_or_jacobian, p, rows, unknowns, x, p->residual, p->jacobian, rows, p->options.tolerance, 1e-7, 0,
               p->options.evaluations, scale, 2, 1, 0, &evaluations, &jacobians, pivot, qtf, wa[0], wa[1], wa[2],
               p->work);
     read_shapes(p, x, s);
-    fill_columns(p, x, 0);
+    for (int i = 0; i < lobes; i++) {
+        hold_back(p, &s[i]);
+        lobe_column(p, &s[i], p->column + (size_t)(i + 1) * p->count, NULL);
+    }
     return project(p, lobes + 1);
 }
 
@@ -315,6 +335,7 @@ static void make_candidates(lafortune_problem *p)
         s->polar = polar_degrees[i / exponent_count % POLARS] * (pi / 180);
         s->azimuth = azimuth == 45 ? pi / 4 : azimuth * (pi / 180);
         s->log_n = log(exponents[i % exponent_count]);
+        hold_back(p, s);
         lobe_column(p, s, candidate_column(p, i), NULL);
     }
 }
@@ -418,7 +439,9 @@ lafortune_problem *lafortune_problem_make(const lafortune_samples *samples, int 
     lafortune_problem *p = need_memory(1, sizeof *p);
     memset(p, 0, sizeof *p);
     p->options = *options;
+    if (!(p->options.n_min > 0)) p->options.n_min = 0.25;
     if (!(p->options.n_max > 0)) p->options.n_max = 1e5;
+    if (!(p->options.tolerance > 0)) p->options.tolerance = 1e-8;
     if (!p->options.starts) p->options.starts = 6;
     if (!p->options.evaluations) p->options.evaluations = 200;
     p->count = samples->count;

@@ -39,9 +39,13 @@ typedef struct lafortune_samples {
 } lafortune_samples;
 
 typedef struct lafortune_options {
-    int anisotropic;    /* 1: cx and cy differ */
-    double n_max;       /* (1e5) largest exponent, at least 1 */
-    int starts;         /* (6) places where a further lobe is tried out, the best of a grid over shape and exponent */
+    int anisotropic; /* 1: cx and cy differ */
+    double n_min;    /* (0.25) least exponent */
+    double n_max;    /* (1e5) largest exponent, at least 1 */
+    int starts;      /* (6) places where a further lobe is tried out, the best of a grid over shape and exponent */
+    double
+        grazing_max; /* (no limit) how often the value at 75 degrees to the normal a lobe may reach at 90: C is held there */
+    double tolerance;   /* (1e-8) of the sum of squares: smaller gains end the search */
     int evaluations;    /* (200) of the residual, at most, from each start */
     progress *progress; /* counts starts; may be NULL */
 } lafortune_options;

@@ -184,6 +184,50 @@ void sbrdf_map_sample(const sbrdf_map *m, double u, double v, double lod, sbrdf_
     decode(m, &sum, out);
 }
 
+/* ---- as a BRDF --------------------------------------------------------------------------------------- */
+
+typedef struct map_source {
+    brdf base;
+    sbrdf_map map;
+    sbrdf_texel mean;
+} map_source;
+
+static void eval_at(const brdf *b, const double uv[2], const double to_light[3], const double to_eye[3], double f_r[3])
+{
+    sbrdf_texel t;
+    sbrdf_map_sample(&((const map_source *)b)->map, uv[0], uv[1], 0, &t);
+    sbrdf_texel_eval(&t, to_light, to_eye, f_r);
+}
+
+static int eval_mean(const brdf *b, const double to_light[3], const double to_eye[3], double f_r[3])
+{
+    sbrdf_texel_eval(&((const map_source *)b)->mean, to_light, to_eye, f_r);
+    return 1;
+}
+
+static void close_map(brdf *b)
+{
+    sbrdf_map_free(&((map_source *)b)->map);
+    free(b);
+}
+
+brdf *sbrdf_map_brdf(sbrdf_map *m)
+{
+    map_source *s = need_memory(1, sizeof *s);
+    memset(s, 0, sizeof *s);
+    s->map = *m;
+    *m = (sbrdf_map){0};
+    sbrdf_map_texel(&s->map, s->map.levels - 1, 0, 0, &s->mean);
+    s->base.eval = eval_mean;
+    s->base.eval_at = eval_at;
+    s->base.close = close_map;
+    s->base.anisotropic = 1;
+    snprintf(s->base.name, sizeof s->base.name, "%s", s->map.name);
+    snprintf(s->base.description, sizeof s->base.description, "%d Lafortune lobe%s a texel, %d x %d", s->map.lobes,
+             s->map.lobes == 1 ? "" : "s", s->map.width, s->map.height);
+    return &s->base;
+}
+
 /* ---- files ---------------------------------------------------------------------------------------- */
 
 static ktx2_image image_of(const sbrdf_map *m, uint8_t *const *level, int layers)

@@ -6,11 +6,17 @@
 #ifndef SBRDF_MAP_H
 #define SBRDF_MAP_H
 
+#include "brdf.h"
 #include "lafortune_solve.h"
 #include "nacre.h"
 #include "output.h"
 
 enum { SBRDF_MAX_LEVELS = NACRE_MAX_LEVELS };
+
+/* Limits of fits for maps: exponents (below 1 a table of x^n is coarse at 0), and how much lobes may grow beyond 75 degrees. */
+#define SBRDF_EXPONENT_LEAST 1
+#define SBRDF_EXPONENT_MOST  255
+#define SBRDF_GRAZING_MAX    8
 
 /* ---- one texel ------------------------------------------------------------------------------------ */
 
@@ -58,6 +64,9 @@ void sbrdf_map_texel(const sbrdf_map *m, int level, int x, int y, sbrdf_texel *o
 /* The same at u, v (v = 0 is the last row) and lod, repeated: codes are filtered as by GL_LINEAR_MIPMAP_LINEAR and decoded
    then. lod is limited to the levels there are. */
 void sbrdf_map_sample(const sbrdf_map *m, double u, double v, double lod, sbrdf_texel *out);
+
+/* The material as a BRDF: eval_at filters level 0, eval is the smallest level's texel. Takes the map over: *m is emptied. */
+brdf *sbrdf_map_brdf(sbrdf_map *m);
 
 /* The two files. */
 void sbrdf_map_write(const sbrdf_map *m, bytes *albedo, bytes *lobes);

@@ -131,8 +131,8 @@ typedef struct scene_material {
     bytes file[NACRE_ROLE_COUNT];
 } scene_material;
 
-/* text: FILE.ktx2, a BRDF name, or role=FILE,role=FILE (roles table, spheres, normal, mask; the last two take a PNG
-   too).
+/* text: FILE.ktx2, a BRDF name, or role=FILE,role=FILE (roles table, spheres, albedo with lobes, normal, mask; the
+   last two take a PNG too).
    exact 0 opens assets (a BRDF is baked in memory to the default table); 1 opens for double: the BRDF itself, or a
    file's decoding. *out points into itself: it must stay where it is until scene_material_close. */
 int scene_material_open(scene_material *out, const char *text, int exact, failure *f);

@@ -81,14 +81,26 @@ static void arriving(const scene_light *light, const double at[3], double to_lig
     for (i = 0; i < 3; i++) power[i] = scale * fmax(light->power[i], 0);
 }
 
-static void add_light(const frame *r, double axes[3][3], const double eye[3], const double to_light[3],
-                      const double power[3], double radiance[3])
+/* f_r cos at a place of the surface; 0 where there are no data. */
+static int reflects(const brdf *b, const double uv[2], const double to_light[3], const double to_eye[3],
+                    double f_cos[3])
+{
+    int i;
+
+    if (!b->eval_at) return brdf_eval_cosine(b, to_light, to_eye, f_cos);
+    b->eval_at(b, uv, to_light, to_eye, f_cos);
+    for (i = 0; i < 3; i++) f_cos[i] *= fmax(to_light[2], 0);
+    return 1;
+}
+
+static void add_light(const frame *r, const double uv[2], double axes[3][3], const double eye[3],
+                      const double to_light[3], const double power[3], double radiance[3])
 {
     double light[3], f_cos[3];
     int i;
 
     local(light, axes, to_light);
-    if (!brdf_eval_cosine(r->b, light, eye, f_cos)) return;
+    if (!reflects(r->b, uv, light, eye, f_cos)) return;
     for (i = 0; i < 3; i++) radiance[i] += f_cos[i] * power[i];
 }
 
@@ -107,11 +119,11 @@ static void reflected(const frame *r, const seen *p, const double normal[3], dou
     for (k = 0; k < r->s->light_count; k++) {
         double to_light[3], power[3];
         arriving(&r->s->light[k], p->view, to_light, power);
-        add_light(r, axes, eye, to_light, power, radiance);
+        add_light(r, p->uv, axes, eye, to_light, power, radiance);
     }
     for (k = 0; r->s->distant && k < r->s->distant->count; k++) {
         const distant_light *light = &r->s->distant->light[k];
-        add_light(r, axes, eye, light->direction, light->irradiance, radiance);
+        add_light(r, p->uv, axes, eye, light->direction, light->irradiance, radiance);
     }
 }
 

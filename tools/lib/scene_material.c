@@ -10,6 +10,7 @@
 #include "ktx2_write.h"
 #include "nacre_asset.h"
 #include "png_io.h"
+#include "sbrdf_map.h"
 #include "table_bake.h"
 
 static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal", "mask", "albedo", "lobes"};
@@ -110,6 +111,12 @@ static int is_map(nacre_role role)
     return role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK;
 }
 
+/* The two parts of a material that varies over the surface. */
+static int is_sbrdf(nacre_role role)
+{
+    return role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_LOBES;
+}
+
 static int open_role(scene_material *m, nacre_role role, const char *path, failure *f)
 {
     int code;
@@ -144,6 +151,21 @@ static int role_named(const char *text, size_t length)
     return -1;
 }
 
+/* A table, or spheres, or both parts of a material that varies over the surface. */
+static int check_roles(const scene_material *m, const char *reflectance, failure *f)
+{
+    int albedo = m->material.image[NACRE_ROLE_ALBEDO] != NULL, lobes = m->material.image[NACRE_ROLE_LOBES] != NULL;
+
+    if (albedo != lobes)
+        return fail(f, FAIL_USAGE, "--material: %s=FILE is missing beside %s=FILE", albedo ? "lobes" : "albedo",
+                    albedo ? "albedo" : "lobes");
+    if (albedo && reflectance[0])
+        return fail(f, FAIL_USAGE, "--material: albedo=, lobes= and a table or spheres, expected one of them");
+    if (!albedo && !reflectance[0])
+        return fail(f, FAIL_USAGE, "--material: no table=FILE, spheres=FILE, or albedo=FILE with lobes=FILE");
+    return FAIL_NONE;
+}
+
 /* "role=FILE,role=FILE"; reflectance receives the path of the table or the spheres. */
 static int open_roles(scene_material *m, const char *text, char *reflectance, size_t size, failure *f)
 {
@@ -153,20 +175,20 @@ static int open_roles(scene_material *m, const char *text, char *reflectance, si
         int role = name < length ? role_named(text, name) : -1, code;
         if (role < 0 || name + 1 == length)
             return fail(f, FAIL_USAGE,
-                        "--material: \"%.*s\", expected table=FILE, spheres=FILE, normal=FILE or mask=FILE",
+                        "--material: \"%.*s\", expected table=FILE, spheres=FILE, albedo=FILE, lobes=FILE, normal=FILE "
+                        "or mask=FILE",
                         (int)length, text);
         snprintf(path, sizeof path, "%.*s", (int)(length - name - 1), text + name + 1);
         code = open_role(m, (nacre_role)role, path, f);
         if (!code && role == NACRE_ROLE_NORMAL) code = decode_normal(m, path, f);
         if (code) return code;
-        if (!is_map((nacre_role)role)) {
+        if (!is_map((nacre_role)role) && !is_sbrdf((nacre_role)role)) {
             if (reflectance[0]) return fail(f, FAIL_USAGE, "--material: a table and spheres, expected one of them");
             snprintf(reflectance, size, "%s", path);
         }
         text += length + (text[length] == ',');
     }
-    if (!reflectance[0]) return fail(f, FAIL_USAGE, "--material: no table=FILE or spheres=FILE");
-    return FAIL_NONE;
+    return check_roles(m, reflectance, f);
 }
 
 static int bake(scene_material *m, const char *name, failure *f)
@@ -197,9 +219,12 @@ static void read_albedo(scene_material *m, nacre_role role)
 /* What follows from the images that are there. */
 static void settle(scene_material *m)
 {
-    m->material.model = m->material.image[NACRE_ROLE_SPHERES] ? NACRE_MODEL_SPHERES : NACRE_MODEL_TABLE;
+    m->material.model = m->material.image[NACRE_ROLE_SPHERES] ? NACRE_MODEL_SPHERES
+                        : m->material.image[NACRE_ROLE_LOBES] ? NACRE_MODEL_SBRDF
+                                                              : NACRE_MODEL_TABLE;
     read_albedo(m, NACRE_ROLE_TABLE);
     read_albedo(m, NACRE_ROLE_SPHERES);
+    read_albedo(m, NACRE_ROLE_ALBEDO);
 }
 
 static int has_roles(const char *text)
@@ -207,6 +232,15 @@ static int has_roles(const char *text)
     size_t name = strcspn(text, "=,:/");
 
     return text[name] == '=';
+}
+
+static int open_sbrdf(scene_material *m, failure *f)
+{
+    sbrdf_map map;
+    int code = sbrdf_map_read(&map, &m->image[NACRE_ROLE_ALBEDO], "albedo=", &m->image[NACRE_ROLE_LOBES], "lobes=", f);
+
+    if (!code) m->reflectance = sbrdf_map_brdf(&map);
+    return code;
 }
 
 static int open_any(scene_material *m, const char *text, int exact, failure *f)
@@ -224,7 +258,8 @@ static int open_any(scene_material *m, const char *text, int exact, failure *f)
     }
     if (code) return code;
     settle(m);
-    return exact ? brdf_open(&m->reflectance, text, f) : FAIL_NONE;
+    if (!exact) return FAIL_NONE;
+    return m->material.model == NACRE_MODEL_SBRDF ? open_sbrdf(m, f) : brdf_open(&m->reflectance, text, f);
 }
 
 int scene_material_open(scene_material *out, const char *text, int exact, failure *f)

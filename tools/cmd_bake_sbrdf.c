@@ -1,0 +1,350 @@
+/* SPDX-License-Identifier: MIT */
+/* nacre bake sbrdf: materials that vary over the surface, from parameter maps, a painting's text, a glTF material or a
+   measured stack of images. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "bake_common.h"
+#include "brdf.h"
+#include "gltf_material.h"
+#include "mip.h"
+#include "models.h"
+#include "sbrdf_field.h"
+#include "sbrdf_maps.h"
+#include "sbrdf_stack.h"
+
+typedef struct request {
+    bake_common common;
+    const char *source; /* text, glTF or stack; NULL: maps */
+    sbrdf_map_files maps;
+    option_texts lobe; /* as given: ALBEDO,SHAPE[,EXPONENT] */
+    double range;
+    int lobes, material, anisotropic, strict, no_mips;
+    char albedo_path[1024], lobes_path[1024];
+    char *split; /* the texts of lobe, cut at commas */
+} request;
+
+static int warn(const request *r, failure *f, const char *format, ...) __attribute__((format(printf, 3, 4)));
+static int warn(const request *r, failure *f, const char *format, ...)
+{
+    char text[500];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    if (r->strict) return fail(f, FAIL_INVALID, "%s (--strict)", text);
+    if (!r->common.quiet) fprintf(stderr, "nacre bake: warning: %s\n", text);
+    return FAIL_NONE;
+}
+
+/* ---- what is asked for ------------------------------------------------------------------------------- */
+
+/* -o NAME.ktx2 means NAME-albedo.ktx2 and NAME-lobes.ktx2; so do .c and no ending. */
+static int output_paths(request *r, failure *f)
+{
+    const char *path = r->common.output, *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
+    const char *end = dot && dot > slash && (!strcmp(dot, ".ktx2") || !strcmp(dot, ".c")) ? dot : path + strlen(path);
+    int length = (int)(end - path);
+    if (length > 1000) return fail(f, FAIL_USAGE, "-o: found a name of %d characters, expected at most 1000", length);
+    snprintf(r->albedo_path, sizeof r->albedo_path, "%.*s-albedo%s", length, path, *end ? end : ".ktx2");
+    snprintf(r->lobes_path, sizeof r->lobes_path, "%.*s-lobes%s", length, path, *end ? end : ".ktx2");
+    return FAIL_NONE;
+}
+
+static int take_lobe(request *r, int j, char *text, failure *f)
+{
+    char *rest = NULL;
+    r->maps.lobe[j].albedo = strtok_r(text, ",", &rest);
+    r->maps.lobe[j].shape = strtok_r(NULL, ",", &rest);
+    r->maps.lobe[j].exponent = strtok_r(NULL, ",", &rest);
+    if (r->maps.lobe[j].shape && !strtok_r(NULL, ",", &rest)) return FAIL_NONE;
+    return fail(f, FAIL_USAGE, "--lobe %s: expected ALBEDO,SHAPE or ALBEDO,SHAPE,EXPONENT", r->lobe.item[j]);
+}
+
+static int check_maps(request *r, failure *f)
+{
+    if (!r->maps.albedo) return fail(f, FAIL_USAGE, "bake sbrdf: no input: expected a file, or --albedo and --lobe");
+    if (r->lobe.count < 1 || r->lobe.count > LAFORTUNE_MAX_LOBES)
+        return fail(f, FAIL_USAGE, "--lobe: found %d, expected 1 to %d lobes", r->lobe.count, LAFORTUNE_MAX_LOBES);
+    size_t size = 0;
+    for (int j = 0; j < r->lobe.count; j++) size += strlen(r->lobe.item[j]) + 1;
+    r->split = need_memory(size, 1);
+    char *at = r->split;
+    for (int j = 0; j < r->lobe.count; j++) {
+        strcpy(at, r->lobe.item[j]);
+        int code = take_lobe(r, j, at, f);
+        if (code) return code;
+        at += strlen(r->lobe.item[j]) + 1;
+    }
+    r->maps.lobes = r->lobe.count;
+    r->maps.shape_most = r->range;
+    return FAIL_NONE;
+}
+
+static int parse(request *r, int argc, char **argv, failure *f)
+{
+    int operands;
+    const option table[] = {
+        BAKE_OPTIONS(r->common),
+        {"--albedo", OPTION_TEXT, &r->maps.albedo, 0, 0, "FILE", "maps: diffuse albedo, PNG (alpha: opacity) or PFM"},
+        {"--lobe", OPTION_TEXTS, &r->lobe, 0, 0, "A,S[,N]",
+         "maps: albedo, Cx Cy Cz (PNG: n in alpha) and exponent of a lobe; 1 to 3 times"},
+        {"--direction", OPTION_TEXT, &r->maps.direction, 0, 0, "FILE", "maps: direction of anisotropy in R and G"},
+        {"--lobe-max", OPTION_REAL, &r->maps.lobe_most, 1e-4, 32767, "R", "maps: lobe albedo (pi f_r) of code 255 (1)"},
+        {"--srgb", OPTION_FLAG, &r->maps.srgb, 0, 0, NULL, "maps: albedo PNGs hold sRGB codes (linear ones)"},
+        {"--range", OPTION_REAL, &r->range, 1, 2, "R",
+         "C on -R..R, 1 or 2, in PNGs read and at most in the output (1)"},
+        {"--lobes", OPTION_INT, &r->lobes, 1, LAFORTUNE_MAX_LOBES, "N", "glTF, stack: lobes a texel (1)"},
+        {"--material", OPTION_INT, &r->material, 0, 9999, "N", "glTF: number of the material (0)"},
+        {"--anisotropic", OPTION_FLAG, &r->anisotropic, 0, 0, NULL, "stack: Cx and Cy of their own"},
+        {"--no-mips", OPTION_FLAG, &r->no_mips, 0, 0, NULL, "one level"},
+        {"--strict", OPTION_FLAG, &r->strict, 0, 0, NULL, "refuse what would be clamped or left out"},
+    };
+    int code = options_parse(argc, argv, "nacre bake sbrdf [FILE] -o NAME.ktx2 [options]", table,
+                             sizeof table / sizeof *table, &r->source, &operands, 0, 1, f);
+    if (!operands) r->source = NULL;
+    if (code || (code = bake_check(&r->common, "bake sbrdf", r->source, f))) return code;
+    if (r->range != 1 && r->range != 2) return fail(f, FAIL_USAGE, "--range %g: expected 1 or 2", r->range);
+    if ((code = output_paths(r, f))) return code;
+    return r->source ? FAIL_NONE : check_maps(r, f);
+}
+
+/* ---- reading ----------------------------------------------------------------------------------------- */
+
+static void list_maps(const sbrdf_map_files *maps, sbrdf_sources *sources)
+{
+    sbrdf_sources_add(sources, maps->albedo);
+    for (int j = 0; j < maps->lobes; j++) {
+        sbrdf_sources_add(sources, maps->lobe[j].albedo);
+        sbrdf_sources_add(sources, maps->lobe[j].shape);
+        if (maps->lobe[j].exponent) sbrdf_sources_add(sources, maps->lobe[j].exponent);
+    }
+    if (maps->direction) sbrdf_sources_add(sources, maps->direction);
+}
+
+static int ends_with(const char *text, const char *end)
+{
+    size_t n = strlen(text), m = strlen(end);
+    return n > m && !strcasecmp(text + n - m, end);
+}
+
+/* How the field came to be, for the report. */
+typedef struct origin {
+    enum { FROM_MAPS, FROM_PAINTING, FROM_GLTF, FROM_STACK } kind;
+    gltf_report gltf;
+    sbrdf_stack_report stack;
+} origin;
+
+static int read_gltf(const request *r, sbrdf_field *field, sbrdf_sources *sources, progress *meter, origin *from,
+                     failure *f)
+{
+    int code = gltf_material_read(field, r->source, r->material, r->lobes, sources, &from->gltf, meter, f);
+    from->kind = FROM_GLTF;
+    if (code || !from->gltf.has_normal_map) return code;
+    return warn(r, f, "%s: the normal map%s%s is a material's own file: pass it as normal=FILE", r->source,
+                from->gltf.normal_map[0] ? " " : "", from->gltf.normal_map);
+}
+
+static int read_stack(const request *r, sbrdf_field *field, sbrdf_sources *sources, progress *meter, origin *from,
+                      failure *f)
+{
+    int code = sbrdf_stack_fit(field, r->source, r->lobes, r->anisotropic, sources, &from->stack, meter, f);
+    from->kind = FROM_STACK;
+    if (code || !from->stack.underlit) return code;
+    return warn(r, f, "%s: %ld texels with fewer than 8 values, left black", r->source, from->stack.underlit);
+}
+
+static int read_field(const request *r, sbrdf_field *field, sbrdf_sources *sources, progress *meter, origin *from,
+                      failure *f)
+{
+    from->kind = FROM_MAPS;
+    if (!r->source) {
+        list_maps(&r->maps, sources);
+        return sbrdf_maps_read(field, &r->maps, f);
+    }
+    sbrdf_sources_add(sources, r->source);
+    if (ends_with(r->source, ".gltf") || ends_with(r->source, ".glb"))
+        return read_gltf(r, field, sources, meter, from, f);
+    if (sbrdf_is_stack(r->source)) return read_stack(r, field, sources, meter, from, f);
+    from->kind = FROM_PAINTING;
+    return sbrdf_paint(field, r->source, sources, meter, f);
+}
+
+static int report_clamped(const request *r, const sbrdf_clamped *c, const char *name, failure *f)
+{
+    int code = FAIL_NONE;
+    if (c->exponents) code = warn(r, f, "%s: %ld exponents outside 0..255, clamped", name, c->exponents);
+    if (!code && c->shapes)
+        code = warn(r, f, "%s: %ld shapes with |C| above %g of the largest sum, clamped%s", name, c->shapes, r->range,
+                    r->range < 2 ? " (--range 2 holds more)" : "");
+    if (!code && c->albedos) code = warn(r, f, "%s: %ld albedos outside 0..32767, clamped", name, c->albedos);
+    return code;
+}
+
+static int level_count(const request *r, const sbrdf_field *field, const char *name, int *count, failure *f)
+{
+    *count = r->no_mips ? 1 : mip_count(field->width, field->height);
+    if (r->no_mips || *count > 1 || (field->width == 1 && field->height == 1)) return FAIL_NONE;
+    return warn(r, f, "%s: %d x %d texels are no powers of two, no smaller levels (GLES 2 needs them to be)", name,
+                field->width, field->height);
+}
+
+/* ---- baking ------------------------------------------------------------------------------------------ */
+
+typedef struct result {
+    sbrdf_map map;
+    sbrdf_quantised report;
+    sbrdf_clamped clamped;
+    origin from;
+} result;
+
+/* Albedo under light from everywhere of the smallest level's texel, which stands for all. */
+static void find_white_sky(const sbrdf_texel *t, double out[3])
+{
+    lafortune_lobe lobe[LAFORTUNE_MAX_LOBES];
+    for (int j = 0; j < t->brdf.lobes; j++)
+        for (int c = 0; c < 3; c++) {
+            const lafortune_shared_lobe *from = &t->brdf.lobe[j];
+            lobe[j].cx[c] = from->c[0];
+            lobe[j].cy[c] = from->c[1];
+            lobe[j].cz[c] = from->c[2];
+            lobe[j].n[c] = from->n;
+            lobe[j].ks[c] = from->ks[c];
+        }
+    brdf *b = lafortune_brdf(t->brdf.kd, lobe, (size_t)t->brdf.lobes);
+    brdf_albedo(b, out);
+    brdf_close(b);
+}
+
+static int bake_field(const request *r, sbrdf_field *field, const char *name, progress *meter, result *out, failure *f)
+{
+    sbrdf_field level[SBRDF_MAX_LEVELS];
+    int count, code = sbrdf_field_settle(field, r->range, &out->clamped, name, f);
+    if (!code) code = report_clamped(r, &out->clamped, name, f);
+    if (!code) code = level_count(r, field, name, &count, f);
+    if (code) return code;
+    sbrdf_field_levels(field, level, count, meter);
+    sbrdf_quantise(level, count, name, &out->map, &out->report);
+    find_white_sky(&level[count - 1].texel[0], out->map.white_sky);
+    for (int i = 1; i < count; i++) sbrdf_field_free(&level[i]);
+    return FAIL_NONE;
+}
+
+static size_t texel_bytes(const sbrdf_map *m)
+{
+    size_t texels = 0;
+    for (int i = 0; i < m->levels; i++) texels += (size_t)sbrdf_level_width(m, i) * (size_t)sbrdf_level_height(m, i);
+    return 4 * texels * (size_t)(1 + m->layers);
+}
+
+static json figures_of(const request *r, const result *out)
+{
+    const sbrdf_map *m = &out->map;
+    json j = {0};
+    json_begin(&j, NULL, '{');
+    json_text(&j, "albedo", r->albedo_path);
+    json_text(&j, "lobes_file", r->lobes_path);
+    json_int(&j, "width", m->width);
+    json_int(&j, "height", m->height);
+    json_int(&j, "lobes", m->lobes);
+    json_int(&j, "levels", m->levels);
+    json_bool(&j, "direction", m->has_direction);
+    json_int(&j, "texel_bytes", (long long)texel_bytes(m));
+    json_real(&j, "error_plain", out->report.error_plain);
+    json_real(&j, "error", out->report.error_chosen);
+    json_int(&j, "clamped_exponents", out->clamped.exponents);
+    json_int(&j, "clamped_shapes", out->clamped.shapes);
+    json_int(&j, "clamped_albedos", out->clamped.albedos);
+    if (out->from.kind == FROM_GLTF) {
+        json_int(&j, "kinds", out->from.gltf.kinds);
+        json_real(&j, "fit_error", out->from.gltf.mean_error);
+        json_real(&j, "fit_error_worst", out->from.gltf.worst_error);
+    }
+    if (out->from.kind == FROM_STACK) {
+        json_int(&j, "images", out->from.stack.images);
+        json_real(&j, "fit_error", out->from.stack.error);
+        json_real(&j, "fit_seconds", out->from.stack.seconds);
+        json_int(&j, "underlit", out->from.stack.underlit);
+    }
+    json_end(&j, '}');
+    return j;
+}
+
+static int write_all(const request *r, const result *out, const sbrdf_sources *sources, failure *f)
+{
+    bytes albedo = {0}, lobes = {0};
+    bake_common common = r->common;
+    json figures = figures_of(r, out);
+    common.output = r->albedo_path;
+    int code =
+        bake_write_side_outputs(&common, (const char *const *)sources->path, (size_t)sources->count, &figures, f);
+    bytes_free(&figures.out);
+    if (code) return code;
+    sbrdf_map_write(&out->map, &albedo, &lobes);
+    code = output_write(r->albedo_path, &albedo, f);
+    if (!code && (code = output_write(r->lobes_path, &lobes, f))) output_discard(r->albedo_path);
+    if (code) bake_discard_side_outputs(&common);
+    bytes_free(&albedo);
+    bytes_free(&lobes);
+    return code;
+}
+
+static void print_result(const request *r, const result *out)
+{
+    const sbrdf_map *m = &out->map;
+    printf("%s, %s: %d x %d, %d lobe%s, %d level%s, %zu bytes of texels; error of the 8 bits %.2f %% "
+           "(%.2f %% without moving magnitude between albedo and C)\n",
+           r->albedo_path, r->lobes_path, m->width, m->height, m->lobes, m->lobes == 1 ? "" : "s", m->levels,
+           m->levels == 1 ? "" : "s", texel_bytes(m), 100 * out->report.error_chosen, 100 * out->report.error_plain);
+}
+
+static void print_origin(const request *r, const result *out)
+{
+    const gltf_report *gltf = &out->from.gltf;
+    const sbrdf_stack_report *stack = &out->from.stack;
+    if (out->from.kind == FROM_GLTF)
+        printf("%s: relative error of f_r cos against GGX %.1f %%, worst %.1f %%, over %ld kinds of texels\n",
+               r->source, 100 * gltf->mean_error, 100 * gltf->worst_error, gltf->kinds);
+    if (out->from.kind == FROM_STACK)
+        printf("%s: %d images, relative error %.2f %%, %.0f texels a second\n", r->source, stack->images,
+               100 * stack->error, out->map.width * out->map.height / fmax(stack->seconds, 1e-9));
+}
+
+static int sources_apart(const request *r, const sbrdf_sources *sources, failure *f)
+{
+    int code = FAIL_NONE;
+    for (int i = 0; i < sources->count && !code; i++) {
+        code = output_apart(r->albedo_path, sources->path[i], f);
+        if (!code) code = output_apart(r->lobes_path, sources->path[i], f);
+    }
+    return code;
+}
+
+int bake_sbrdf(int argc, char **argv, failure *f)
+{
+    request r = {.maps = {.lobe_most = 1}, .range = 1, .lobes = 1};
+    sbrdf_sources sources = {0};
+    sbrdf_field field = {0};
+    result out = {0};
+    progress meter = {0};
+    int code = parse(&r, argc, argv, f);
+    meter.quiet = r.common.quiet;
+    const char *name = r.source ? r.source : r.maps.albedo;
+    if (!code) code = read_field(&r, &field, &sources, &meter, &out.from, f);
+    if (!code) code = sources_apart(&r, &sources, f);
+    if (!code) code = bake_field(&r, &field, name, &meter, &out, f);
+    if (!code) code = write_all(&r, &out, &sources, f);
+    if (!code && bake_prints(&r.common)) {
+        print_origin(&r, &out);
+        print_result(&r, &out);
+    }
+    sbrdf_field_free(&field);
+    sbrdf_map_free(&out.map);
+    sbrdf_sources_free(&sources);
+    free(r.split);
+    return code;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* The metallic-roughness material of a glTF file (glTF 2.0, section 3.9 and appendix B), as texels. */
+#ifndef GLTF_MATERIAL_H
+#define GLTF_MATERIAL_H
+
+#include "sbrdf_paint.h"
+
+typedef struct gltf_report {
+    double mean_error,
+        worst_error;      /* relative L2 of f cos of the fits, against GGX with F0 = .04, over the texels' kinds */
+    long kinds;           /* of texels: roughness, metal and lightness in steps */
+    int has_normal_map;   /* there is one, and it is not in the field */
+    char normal_map[256]; /* its file, if it is one */
+} gltf_report;
+
+/* Material number index of a .gltf or .glb: base colour, metallic and roughness, as factors and pictures (PNG, JPEG, files
+   or embedded; of one size, or factors alone: one texel), fitted with so many lobes. Lobes start from the mirror direction
+   and n = .70 / alpha^2, alpha = roughness^2. FAIL_INVALID: no such material, or pictures of different sizes. */
+int gltf_material_read(sbrdf_field *out, const char *path, int index, int lobes, sbrdf_sources *sources,
+                       gltf_report *report, progress *p, failure *f);
+
+#endif
