@@ -278,7 +278,7 @@ int cmd_shot(int argc, char **argv, failure *f)
         {"--distant", OPTION_FLAG, &t.s.distant_viewer, 0, 0, NULL, "one view direction for the whole mesh"},
         {"--lit", OPTION_INT, &t.lit_size, 16, 512, "N",
          "by a lit sphere of N x N texels: all directional lights for one fetch per pixel, one view direction for the "
-         "whole mesh (128 with --env, --lights-file or more than 8 lights; else direct)"},
+         "whole mesh (with --env, --lights-file or more than 8 lights 128, soft 256; else direct)"},
         {"--turntable", OPTION_INT, &t.table.frames, 1, TURNTABLE_MAX_FRAMES, "N", "N frames of a whole turn, see -o"},
         {"--turning", OPTION_TEXTS, &t.turning, 0, 0, "WHAT",
          "what the turntable turns about +y: mesh or lights (mesh)"},

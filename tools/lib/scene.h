@@ -28,7 +28,7 @@ typedef struct scene {
     scene_light light[SCENE_MAX_LIGHTS];
     int light_count;
     const light_set *distant; /* more directional lights, any number; NULL: none. Borrowed */
-    int lit_size;             /* texels a side of the lit sphere; 0: 128 where needed (GLES) */
+    int lit_size;             /* texels a side of the lit sphere; 0: where needed, 128 (soft: 256) */
     double exposure, ambient[3], tint[3];
     int output; /* nacre_output */
     int distant_viewer;

@@ -88,24 +88,62 @@ static int draw_items(const scene *s, const nacre_view *view, const nacre_soft_i
     return code;
 }
 
-static nacre_soft_item item_of(const nacre_mesh *shape, const nacre_material *material, const nacre_view *view)
+/* lit: texels NULL: shaded directly. */
+static nacre_soft_item item_of(const nacre_mesh *shape, const nacre_material *material, const nacre_soft_lit *lit,
+                               const nacre_view *view)
 {
-    return (nacre_soft_item){
-        .mesh = shape, .material = material, .object_to_view = view->object_to_view, .cull = NACRE_SOFT_CULL_NONE};
+    return (nacre_soft_item){.mesh = shape,
+                             .material = material,
+                             .lit = lit->texels ? lit : NULL,
+                             .object_to_view = view->object_to_view,
+                             .cull = NACRE_SOFT_CULL_NONE};
+}
+
+/* All lights into a picture, where the scene asks for one; pixels take the nearest texel, so 256 by default. The texels are
+   the caller's to free. */
+static int make_lit(nacre_soft_lit *out, const scene *s, const nacre_view *view, const nacre_material *material,
+                    const nacre_q16 centre[3], failure *f)
+{
+    const nacre_soft_lit_desc desc = {.material = material,
+                                      .view = view,
+                                      .centre = {centre[0], centre[1], centre[2]},
+                                      .size = (uint16_t)(s->lit_size ? s->lit_size : 256),
+                                      .format = NACRE_SOFT_RGBA8,
+                                      .kernels = scene_soft_kernels("best")};
+    const size_t scratch_size = nacre_soft_lit_scratch_size(&desc, desc.size);
+    void *texels, *scratch;
+    int code;
+
+    *out = (nacre_soft_lit){0};
+    if (!s->distant && !s->lit_size) return FAIL_NONE;
+    texels = need_memory((size_t)desc.size * desc.size, 4);
+    scratch = need_memory(1, scratch_size);
+    code = check(nacre_soft_lit_rows(&desc, texels, 0, desc.size, scratch, scratch_size), "nacre_soft_lit_rows", f);
+    free(scratch);
+    *out = (nacre_soft_lit){texels, desc.size};
+    return code;
+}
+
+static void free_lit(nacre_soft_lit *lit)
+{
+    free((void *)(uintptr_t)lit->texels);
 }
 
 static int draw_mesh(const scene *s, const nacre_view *view, const nacre_material *material, image_u8 *out, failure *f)
 {
     nacre_mesh *parts;
     nacre_soft_item items[255];
+    nacre_soft_lit lit = {0};
     int count, i, code = mesh_pack(s->shape, &parts, &count, f);
 
     if (code) return code;
-    for (i = 0; i < count && i < 255; i++) items[i] = item_of(&parts[i], material, view);
     if (count > 255)
         code = fail(f, FAIL_UNSUPPORTED, "mesh of %d parts: this backend draws 255", count);
     else
-        code = draw_items(s, view, items, count, 0, s->height, out, f);
+        code = make_lit(&lit, s, view, material, parts->centre, f);
+    for (i = 0; i < count && i < 255; i++) items[i] = item_of(&parts[i], material, &lit, view);
+    if (!code) code = draw_items(s, view, items, count, 0, s->height, out, f);
+    free_lit(&lit);
     free(parts);
     return code;
 }
@@ -164,16 +202,18 @@ static int draw_sphere(const scene *s, const nacre_view *view, const nacre_mater
     nacre_vertex *vertices = need_memory(MESH_QUADS * 4, sizeof *vertices);
     uint16_t *indices = need_memory(MESH_QUADS * 6, sizeof *indices);
     nacre_mesh quads_of = {.vertices = vertices, .indices = indices};
+    nacre_soft_lit lit = {0};
     double clip_to_object[16];
     int k, row = 0, code = FAIL_NONE;
 
     make_indices(indices);
     for (k = 0; k < 3; k++) quads_of.half_extent[k] = (nacre_q16)(QUAD_EXTENT * 65536);
     if (!scene_clip_to_object(s, clip_to_object)) code = fail(f, FAIL_USAGE, "the camera's matrix has no inverse");
+    if (!code) code = make_lit(&lit, s, view, material, quads_of.centre, f);
     progress_begin(s->progress, "rows", s->height);
     while (!code && row < s->height) {
         const int first = row, quads = fill_quads(s, clip_to_object, &row, vertices);
-        const nacre_soft_item item = item_of(&quads_of, material, view);
+        const nacre_soft_item item = item_of(&quads_of, material, &lit, view);
 
         quads_of.vertex_count = (uint16_t)(4 * quads);
         quads_of.index_count = 6 * (uint32_t)quads;
@@ -181,6 +221,7 @@ static int draw_sphere(const scene *s, const nacre_view *view, const nacre_mater
         progress_add(s->progress, row - first);
     }
     progress_end(s->progress);
+    free_lit(&lit);
     free(vertices);
     free(indices);
     return code;
@@ -191,8 +232,6 @@ int scene_draw_soft(const scene *s, const nacre_material *material, image_u8 *ou
     scene_numbers numbers;
     int code;
 
-    if (s->distant)
-        return fail(f, FAIL_UNSUPPORTED, "more than %d lights: expected --backend double", SCENE_MAX_LIGHTS);
     *out = image_u8_make(s->width, s->height, 4);
     memset(out->texel, 0, (size_t)s->width * (size_t)s->height * 4);
     scene_numbers_open(&numbers, s);
