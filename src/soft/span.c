@@ -10,7 +10,9 @@ enum { BATCH = 32 }; /* pixels at a time: 500 bytes of stack */
 static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t z, uint32_t scale)
 {
     const int32_t x = (int16_t)(xy & 65535u), y = (int32_t)xy >> 16;
-    const int32_t length = (int32_t)(shade_lut_unit[(uint32_t)(x * x + y * y + z * z) >> 20] * scale >> 15);
+    const uint32_t square =
+        (uint32_t)(x * x + y * y + z * z) >> 20; /* 256 and a little where the normal is the eye's */
+    const int32_t length = (int32_t)(shade_lut_unit[square < 255 ? square : 255] * scale >> 15);
     const int32_t half = lit->size * 32768;
 
     return (uint32_t)((half - y * length) >> 16) * lit->size + (uint32_t)((half + x * length) >> 16);
