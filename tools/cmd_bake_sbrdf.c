@@ -13,17 +13,20 @@
 #include "gltf_material.h"
 #include "mip.h"
 #include "models.h"
+#include "png_io.h"
 #include "sbrdf_field.h"
 #include "sbrdf_maps.h"
 #include "sbrdf_stack.h"
+#include "sbrdf_view.h"
 
 typedef struct request {
     bake_common common;
+    const char *preview, *material;
     const char *source; /* text, glTF or stack; NULL: maps */
     sbrdf_map_files maps;
     option_texts lobe; /* as given: ALBEDO,SHAPE[,EXPONENT] */
     double range;
-    int lobes, material, anisotropic, strict, no_mips;
+    int lobes, anisotropic, strict, no_mips;
     char albedo_path[1024], lobes_path[1024];
     char *split; /* the texts of lobe, cut at commas */
 } request;
@@ -99,8 +102,10 @@ static int parse(request *r, int argc, char **argv, failure *f)
         {"--range", OPTION_REAL, &r->range, 1, 2, "R",
          "C on -R..R, 1 or 2, in PNGs read and at most in the output (1)"},
         {"--lobes", OPTION_INT, &r->lobes, 1, LAFORTUNE_MAX_LOBES, "N", "glTF, stack: lobes a texel (1)"},
-        {"--material", OPTION_INT, &r->material, 0, 9999, "N", "glTF: number of the material (0)"},
+        {"--material", OPTION_TEXT, &r->material, 0, 0, "NAME", "glTF: the material (the first that a mesh uses)"},
         {"--anisotropic", OPTION_FLAG, &r->anisotropic, 0, 0, NULL, "stack: Cx and Cy of their own"},
+        {"--preview", OPTION_TEXT, &r->preview, 0, 0, "FILE.png",
+         "a lit sheet from afar: supersampled, by the smaller levels, by means of codes; and their dB"},
         {"--no-mips", OPTION_FLAG, &r->no_mips, 0, 0, NULL, "one level"},
         {"--strict", OPTION_FLAG, &r->strict, 0, 0, NULL, "refuse what would be clamped or left out"},
     };
@@ -200,6 +205,7 @@ typedef struct result {
     sbrdf_quantised report;
     sbrdf_clamped clamped;
     origin from;
+    sbrdf_view view[SBRDF_VIEWS];
 } result;
 
 /* Albedo under light from everywhere of the smallest level's texel, which stands for all. */
@@ -241,6 +247,20 @@ static size_t texel_bytes(const sbrdf_map *m)
     return 4 * texels * (size_t)(1 + m->layers);
 }
 
+static void json_views(json *j, const sbrdf_view *view)
+{
+    json_begin(j, "views", '[');
+    for (int i = 0; i < SBRDF_VIEWS; i++) {
+        if (!view[i].factor) continue;
+        json_begin(j, NULL, '{');
+        json_int(j, "factor", view[i].factor);
+        json_real(j, "level_db", view[i].level_psnr);
+        json_real(j, "code_means_db", view[i].average_psnr);
+        json_end(j, '}');
+    }
+    json_end(j, ']');
+}
+
 static json figures_of(const request *r, const result *out)
 {
     const sbrdf_map *m = &out->map;
@@ -270,6 +290,7 @@ static json figures_of(const request *r, const result *out)
         json_real(&j, "fit_seconds", out->from.stack.seconds);
         json_int(&j, "underlit", out->from.stack.underlit);
     }
+    if (r->preview) json_views(&j, out->view);
     json_end(&j, '}');
     return j;
 }
@@ -300,6 +321,24 @@ static void print_result(const request *r, const result *out)
            "(%.2f %% without moving magnitude between albedo and C)\n",
            r->albedo_path, r->lobes_path, m->width, m->height, m->lobes, m->lobes == 1 ? "" : "s", m->levels,
            m->levels == 1 ? "" : "s", texel_bytes(m), 100 * out->report.error_chosen, 100 * out->report.error_plain);
+}
+
+static int make_preview(const request *r, result *out, failure *f)
+{
+    image_u8 sheet;
+    if (!r->preview) return FAIL_NONE;
+    sbrdf_view_levels(&out->map, out->view, &sheet);
+    int code = png_write(r->preview, &sheet, f);
+    image_u8_free(&sheet);
+    return code;
+}
+
+static void print_views(const request *r, const result *out)
+{
+    for (int i = 0; i < SBRDF_VIEWS && r->preview; i++)
+        if (out->view[i].factor)
+            printf("%s: 1/%d of the size: %.1f dB by its level, %.1f dB by means of codes\n", r->preview,
+                   out->view[i].factor, out->view[i].level_psnr, out->view[i].average_psnr);
 }
 
 static void print_origin(const request *r, const result *out)
@@ -337,10 +376,12 @@ int bake_sbrdf(int argc, char **argv, failure *f)
     if (!code) code = read_field(&r, &field, &sources, &meter, &out.from, f);
     if (!code) code = sources_apart(&r, &sources, f);
     if (!code) code = bake_field(&r, &field, name, &meter, &out, f);
+    if (!code) code = make_preview(&r, &out, f);
     if (!code) code = write_all(&r, &out, &sources, f);
     if (!code && bake_prints(&r.common)) {
         print_origin(&r, &out);
         print_result(&r, &out);
+        print_views(&r, &out);
     }
     sbrdf_field_free(&field);
     sbrdf_map_free(&out.map);

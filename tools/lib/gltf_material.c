@@ -59,7 +59,20 @@ static void read_factors(const struct aiMaterial *m, reply *r)
     if (aiGetMaterialFloat(m, AI_MATKEY_ROUGHNESS_FACTOR, &value) == aiReturn_SUCCESS) r->rough = value;
 }
 
-static int wanted_material; /* handed to the loader's process, which is a copy of this one */
+static const char *wanted_material; /* handed to the loader's process, which is a copy of this one */
+
+/* The importer has materials in the order in which meshes use them. */
+static int find_material(const struct aiScene *scene)
+{
+    struct aiString name;
+    for (unsigned i = 0; i < scene->mNumMaterials; i++) {
+        if (!wanted_material) return (int)i;
+        if (aiGetMaterialString(scene->mMaterials[i], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+            !strcmp(name.data, wanted_material))
+            return (int)i;
+    }
+    return -1;
+}
 
 static int reply_with_material(int fd, const char *path)
 {
@@ -71,12 +84,11 @@ static int reply_with_material(int fd, const char *path)
         snprintf(r.text, sizeof r.text, "not a glTF file that can be read: %.300s", aiGetErrorString());
         for (char *c = r.text; *c; c++)
             if ((unsigned char)*c < ' ') *c = ' ';
-    } else if (wanted_material >= (int)scene->mNumMaterials) {
+    } else if (find_material(scene) < 0) {
         r.code = FAIL_INVALID;
-        snprintf(r.text, sizeof r.text, "found %u materials, expected number %d among them", scene->mNumMaterials,
-                 wanted_material);
+        snprintf(r.text, sizeof r.text, "found %u materials, none named %.200s", scene->mNumMaterials, wanted_material);
     } else {
-        const struct aiMaterial *m = scene->mMaterials[wanted_material];
+        const struct aiMaterial *m = scene->mMaterials[find_material(scene)];
         read_factors(m, &r);
         find_picture(scene, m, aiTextureType_BASE_COLOR, BASE, &r, embedded);
         if (!r.file[BASE][0] && !embedded[BASE]) find_picture(scene, m, aiTextureType_DIFFUSE, BASE, &r, embedded);
@@ -134,10 +146,10 @@ static int open_embedded(material *m, int which, int fd, const char *path, failu
     return code;
 }
 
-static int open_material(material *m, const char *path, int index, sbrdf_sources *sources, failure *f)
+static int open_material(material *m, const char *path, const char *name, sbrdf_sources *sources, failure *f)
 {
     int fd;
-    wanted_material = index;
+    wanted_material = name;
     int code = apart_run(reply_with_material, path, "glTF file", &fd, f);
     if (code) return code;
     if (apart_read(fd, &m->r, sizeof m->r)) code = fail(f, FAIL_INTERNAL, "%s: glTF loader: short reply", path);
@@ -325,11 +337,11 @@ static int common_size(const material *m, const char *path, int *width, int *hei
                 path, other->width, other->height, base->width, base->height);
 }
 
-int gltf_material_read(sbrdf_field *out, const char *path, int index, int lobes, sbrdf_sources *sources,
+int gltf_material_read(sbrdf_field *out, const char *path, const char *name, int lobes, sbrdf_sources *sources,
                        gltf_report *report, progress *meter, failure *f)
 {
     material m = {0};
-    int width, height, code = open_material(&m, path, index, sources, f);
+    int width, height, code = open_material(&m, path, name, sources, f);
     memset(report, 0, sizeof *report);
     if (!code) code = common_size(&m, path, &width, &height, f);
     if (!code) {

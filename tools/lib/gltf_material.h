@@ -13,10 +13,10 @@ typedef struct gltf_report {
     char normal_map[256]; /* its file, if it is one */
 } gltf_report;
 
-/* Material number index of a .gltf or .glb: base colour, metallic and roughness, as factors and pictures (PNG, JPEG, files
+/* The material of that name (NULL: the first that a mesh uses) of a .gltf or .glb: base colour, metallic and roughness, as factors and pictures (PNG, JPEG, files
    or embedded; of one size, or factors alone: one texel), fitted with so many lobes. Lobes start from the mirror direction
    and n = .70 / alpha^2, alpha = roughness^2. FAIL_INVALID: no such material, or pictures of different sizes. */
-int gltf_material_read(sbrdf_field *out, const char *path, int index, int lobes, sbrdf_sources *sources,
+int gltf_material_read(sbrdf_field *out, const char *path, const char *name, int lobes, sbrdf_sources *sources,
                        gltf_report *report, progress *p, failure *f);
 
 #endif

@@ -155,6 +155,14 @@ void sbrdf_map_texel(const sbrdf_map *m, int level, int x, int y, sbrdf_texel *o
     decode(m, &sum, out);
 }
 
+void sbrdf_map_mean_codes(const sbrdf_map *m, int x, int y, int side, sbrdf_texel *out)
+{
+    codes sum = {{{0}}};
+    for (int j = 0; j < side; j++)
+        for (int i = 0; i < side; i++) add_codes(m, 0, x + i, y + j, 1.0 / ((double)side * side), &sum);
+    decode(m, &sum, out);
+}
+
 static int repeated(double i, int count)
 {
     double j = fmod(i, count);

@@ -61,6 +61,8 @@ int sbrdf_level_height(const sbrdf_map *m, int level);
 
 /* The texel (x, y) of a level, decoded: what GL_NEAREST reads. */
 void sbrdf_map_texel(const sbrdf_map *m, int level, int x, int y, sbrdf_texel *out);
+/* The mean of the codes of side x side texels of level 0 from (x, y) on, decoded: what a GPU's own smaller levels hold. */
+void sbrdf_map_mean_codes(const sbrdf_map *m, int x, int y, int side, sbrdf_texel *out);
 /* The same at u, v (v = 0 is the last row) and lod, repeated: codes are filtered as by GL_LINEAR_MIPMAP_LINEAR and decoded
    then. lod is limited to the levels there are. */
 void sbrdf_map_sample(const sbrdf_map *m, double u, double v, double lod, sbrdf_texel *out);
