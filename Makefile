@@ -117,9 +117,14 @@ define room_rule
 $(O)/src/$(1)/%.o: src/$(1)/%.c Makefile
 	@mkdir -p $$(@D)
 	$$(call say,cc $$<)
-	$(Q)$(CC) $(RUNTIME_FLAGS) $(INC_$(1)) -c -o $$@ $$<
+	$(Q)$(CC) $$(RUNTIME_FLAGS) $(INC_$(1)) -c -o $$@ $$<
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
+
+# Kernels for one instruction set stand in files of their own; others see empty ones.
+ifneq (,$(filter x86_64% i386% i686%,$(shell $(CC) -dumpmachine 2>/dev/null)))
+$(O)/src/soft/kernels_avx2.o: RUNTIME_FLAGS += -mavx2
+endif
 
 $(O)/tools/lib/%.o: tools/lib/%.c Makefile
 	@mkdir -p $(@D)

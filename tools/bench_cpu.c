@@ -14,7 +14,7 @@
 #include "table_bake.h"
 
 #define PI        3.14159265358979323846
-#define BAND_ROWS 64
+#define BAND_ROWS 512
 #define LIT_SIZE  128
 
 enum { MAX_ROWS = 40, MAX_PARTS = 8, MESHES = 2, MOST_LIGHTS = 64 };

@@ -3,6 +3,9 @@
 
 int fx_top_bit(uint64_t x)
 {
+#if defined(__GNUC__)
+    return x >> 32 ? 63 - __builtin_clz((uint32_t)(x >> 32)) : 31 - __builtin_clz((uint32_t)x);
+#else
     int bit = 0, step;
 
     for (step = 32; step; step >>= 1)
@@ -11,6 +14,7 @@ int fx_top_bit(uint64_t x)
             bit += step;
         }
     return bit;
+#endif
 }
 
 int32_t fx_log2_u64(uint64_t x)

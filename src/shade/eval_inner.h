@@ -15,6 +15,8 @@ extern const uint32_t shade_lut_root48[117]; /* 8 to an octave, from 2^9: 2^23 i
 extern const uint32_t shade_lut_srgb[105];   /* 8 to an octave, from 2^3: 2^16 is white; codes x 128 */
 extern const uint32_t shade_lut_inverse_root[32];
 
+#define SHADE_CODE_LOW 29412557 /* .055 x 255 x 2^21 */
+
 static inline int32_t eval_x(uint32_t xy)
 {
     return (int16_t)(xy & 65535u);
@@ -93,7 +95,7 @@ static inline int32_t eval_pow24(int32_t v)
 
     c = eval_mul_q15(c, v) + 21971;
     c = eval_mul_q15(c, v) + 4784;
-    return 2 * eval_mul_q15(eval_mul_q15(v, v), c);
+    return eval_least(2 * eval_mul_q15(eval_mul_q15(v, v), c), 32767);
 }
 
 /* q16 radiance of its root / 2, q15. */

@@ -3,7 +3,6 @@
 #include "eval_inner.h"
 
 #define LOG2_CODE_ROOT_Q16 (-30422) /* log2(sqrt(255 1.055 2^21) / 32768) */
-#define CODE_LOW           29412557 /* .055 x 255 x 2^21 */
 #define MOST_OCTAVES       (13 * 65536)
 
 /* ---- one light --------------------------------------------------------------------------------------------------- */
@@ -186,7 +185,7 @@ void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int
 /* y^2 (n.l)^(1/2.4) e - .055 = z^2 - .055 */
 static inline uint32_t code_of(int32_t z)
 {
-    const int32_t code = (z * z - CODE_LOW + (1 << 20)) >> 21;
+    const int32_t code = (z * z - SHADE_CODE_LOW + (1 << 20)) >> 21;
 
     return (uint32_t)(code < 0 ? 0 : eval_least(code, 255));
 }

@@ -50,40 +50,12 @@ static void set_edge(soft_edge *out, const soft_vertex *top, const soft_vertex *
     out->whole = whole;
 }
 
-typedef struct slope { /* 16 / area = inverse 2^-shift */
+typedef struct slope { /* value x 16 / area = value x inverse 2^-shift */
     int64_t inverse;
     int shift;
     int32_t dxb, dyb, dxc, dyc;
     int32_t x, y; /* from the first corner to the sample where the planes begin, 28.4 */
 } slope;
-
-static int gradient(const slope *s, int64_t n, int32_t *out)
-{
-    const uint64_t size = n < 0 ? 0 - (uint64_t)n : (uint64_t)n;
-    int down = 0, shift;
-    int64_t g;
-
-    if (size >> 31) {
-        down = fx_top_bit(size) - 30;
-        n >>= down;
-    }
-    shift = s->shift - down;
-    g = shift > 0 ? n * s->inverse >> shift : n * s->inverse;
-    *out = (int32_t)g;
-    return g == *out && shift >= 0;
-}
-
-/* Steeper than 32 bits hold, a sliver is drawn in its first corner's value. */
-static void set_plane(soft_plane *out, const slope *s, int32_t a, int32_t b, int32_t c, int32_t round)
-{
-    const int64_t db = (int64_t)b - a, dc = (int64_t)c - a;
-    int32_t gx, gy;
-
-    if (!gradient(s, db * s->dyc - dc * s->dyb, &gx) || !gradient(s, dc * s->dxb - db * s->dxc, &gy)) gx = gy = 0;
-    out->at = (uint32_t)a + (uint32_t)round + (uint32_t)(((int64_t)gx * s->x + (int64_t)gy * s->y) >> 4);
-    out->dx = (uint32_t)gx;
-    out->dy = (uint32_t)gy;
-}
 
 static void set_slope(slope *s, const soft_vertex *a, const soft_vertex *b, const soft_vertex *c, int64_t area)
 {
@@ -99,9 +71,36 @@ static void set_slope(slope *s, const soft_vertex *a, const soft_vertex *b, cons
     s->dyc = c->y - a->y;
 }
 
-/* Normals times 1/w are linear on the screen, and point the same way: q30, the largest 1/w between 1/2 and 1. */
+/* n: below 2^36; the step a pixel with `fraction` more bits. 0: more than 32 bits hold. */
+static int gradient(const slope *s, int64_t n, int fraction, int32_t *out)
+{
+    const int small = n == (int32_t)n, shift = s->shift - fraction - (small ? 0 : 5);
+    const int64_t g = (small ? n : n >> 5) * s->inverse;
+
+    if (shift < 0) return 0;
+    *out = (int32_t)(g >> shift);
+    return g >> shift == *out;
+}
+
+/* a, b, c: 17 bits; at: a with `fraction` more bits, rounding included. Steeper than 32 bits hold, a sliver is drawn in its
+   first corner's value. */
+static void set_plane(soft_plane *out, const slope *s, int32_t a, int32_t b, int32_t c, int fraction, int32_t at)
+{
+    const int64_t db = b - a, dc = c - a;
+    int32_t gx, gy;
+
+    if (!gradient(s, db * s->dyc - dc * s->dyb, fraction, &gx) ||
+        !gradient(s, dc * s->dxb - db * s->dxc, fraction, &gy))
+        gx = gy = 0;
+    out->at = (uint32_t)at + (uint32_t)(((int64_t)gx * s->x + (int64_t)gy * s->y) >> 4);
+    out->dx = (uint32_t)gx;
+    out->dy = (uint32_t)gy;
+}
+
+/* Normals times 1/w are linear on the screen, and point the same way: the largest 1/w between 1/2 and 1. */
 static void set_normals(soft_triangle *out, const slope *s, const soft_vertex *const corner[3])
 {
+    const uint32_t all = (uint32_t)corner[0]->nearness & corner[1]->nearness & corner[2]->nearness;
     const uint32_t most = (uint32_t)corner[0]->nearness | corner[1]->nearness | corner[2]->nearness;
     const int up = fx_leading_zeros(most) - 16;
     int i, k;
@@ -109,8 +108,11 @@ static void set_normals(soft_triangle *out, const slope *s, const soft_vertex *c
     for (i = 0; i < 3; i++) {
         int32_t value[3];
 
-        for (k = 0; k < 3; k++) value[k] = corner[k]->normal[i] * (int32_t)((uint32_t)corner[k]->nearness << up);
-        set_plane(&out->plane[1 + i], s, value[0], value[1], value[2], 32768);
+        for (k = 0; k < 3; k++) {
+            value[k] = corner[k]->normal[i];
+            if (all != 65535) value[k] = value[k] * (int32_t)((uint32_t)corner[k]->nearness << up) >> 16;
+        }
+        set_plane(&out->plane[1 + i], s, value[0], value[1], value[2], 16, value[0] * 65536 + 32768);
     }
 }
 
@@ -144,7 +146,7 @@ int soft_triangle_set(soft_triangle *out, const soft_vertex *a, const soft_verte
     out->x0 = a->x >> 4;
     s.x = 16 * out->x0 + 8 - a->x;
     s.y = 16 * out->y0 + 8 - a->y;
-    set_plane(&out->plane[0], &s, a->z, b->z, c->z, 16384);
+    set_plane(&out->plane[0], &s, a->z >> 15, b->z >> 15, c->z >> 15, 15, a->z + 16384);
     set_normals(out, &s, corner);
     return 1;
 }

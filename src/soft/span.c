@@ -90,8 +90,12 @@ static void shade_run(const nacre_soft *soft, const soft_item *item, const soft_
 static void clear_run(const nacre_soft *soft, int32_t x, int32_t y, int32_t count, uint8_t *to)
 {
     const unsigned bytes = soft_pixel_bytes(soft->desc.format);
+    uint32_t rgba[BATCH];
+    int32_t i;
 
-    for (; count > 0; count--, x++, to += bytes) soft_store(&soft->desc, x, y, &soft->clear, 1, to);
+    for (i = 0; i < BATCH; i++) rgba[i] = soft->clear;
+    for (; count > 0; count -= BATCH, x += BATCH, to += BATCH * bytes)
+        soft_store(&soft->desc, x, y, rgba, count < BATCH ? count : BATCH, to);
 }
 
 void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row, void *to)

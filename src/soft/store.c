@@ -2,6 +2,8 @@
 /* Codes into the frame's pixels. */
 #include "soft.h"
 
+#include <string.h>
+
 /* 4 x 4 thresholds of Bayer 1973, 0..15. */
 static const uint8_t pattern[4][4] = {{0, 8, 2, 10}, {12, 4, 14, 6}, {3, 11, 1, 9}, {15, 7, 13, 5}};
 
@@ -37,10 +39,14 @@ static void store_565(const nacre_soft_desc *desc, int32_t x, int32_t y, const u
 
 static void store_rgba(const uint32_t *rgba, int count, uint8_t *to)
 {
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
+    memcpy(to, rgba, 4 * (size_t)count);
+#else
     int i, k;
 
     for (i = 0; i < count; i++)
         for (k = 0; k < 4; k++) to[4 * i + k] = (uint8_t)(rgba[i] >> (8 * k));
+#endif
 }
 
 void soft_store(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, void *to)

@@ -180,14 +180,18 @@ void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_
    lit sphere. */
 static void to_half(int16_t n[3])
 {
-    const int32_t x = n[0] / 2, y = n[1] / 2, z = (n[2] + 16384) / 2;
-    int32_t least = 0;
+    const int32_t x = n[0] >> 1, y = n[1] >> 1, z = (n[2] + 16384) >> 1, across = x * x + y * y;
 
-    if (z * z < 14904 * (int64_t)(x * x + y * y) >> 14) /* (hz / hxy)^2 >= 0.9097 */
-        least = (int32_t)(fx_isqrt((uint64_t)(x * x + y * y)) * 15627u >> 14) + 1;
     n[0] = (int16_t)x;
     n[1] = (int16_t)y;
-    n[2] = (int16_t)(z < least ? least : z);
+    n[2] = (int16_t)z;
+    if (z * z < across - (across >> 3)) { /* (z / |xy|)^2 >= 0.875, and 0.91 from here on */
+        uint32_t xy = shade_pack_xy(2 * x, 2 * y);
+        int16_t none = 0;
+
+        shade_normalise(&xy, &none, 1);
+        n[2] = (int16_t)((((int16_t)(xy & 65535u) * x + ((int32_t)xy >> 16) * y) >> 14) * 31000 >> 15);
+    }
 }
 
 static void turn_normal(const soft_camera *camera, const int16_t from[4], int16_t out[3])

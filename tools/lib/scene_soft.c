@@ -22,7 +22,7 @@ static int check(nacre_result r, const char *what, failure *f)
 const nacre_soft_kernels *scene_soft_kernels(const char *name)
 {
     if (!strcmp(name, "portable")) return &nacre_soft_portable;
-#if 0
+#if defined(__x86_64__)
     if (!strcmp(name, "avx2") || !strcmp(name, "best")) {
         __builtin_cpu_init();
         if (__builtin_cpu_supports("avx2")) return &nacre_soft_avx2;
