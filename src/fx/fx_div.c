@@ -45,5 +45,7 @@ uint32_t fx_reciprocal(uint32_t x)
     const uint64_t first = (uint64_t)(0xFFFFFFFFu / (x >> 16)) << 14;
     const int64_t error = (int64_t)(((uint64_t)1 << 62) - first * x);
 
-    return (uint32_t)((int64_t)first + (((error >> 31) * (int64_t)first) >> 31));
+    const int64_t refined = (int64_t)first + (((error >> 31) * (int64_t)first) >> 31);
+
+    return (uint32_t)(refined > INT32_MAX ? INT32_MAX : refined);
 }

@@ -9,37 +9,29 @@ typedef struct drawing {
     soft_pixels pixels;
 } drawing;
 
-static void fill(const drawing *d, unsigned item_index, const soft_vertex *a, const soft_vertex *b,
-                 const soft_vertex *c)
+static void draw_clipped(const drawing *d, const soft_item *item, unsigned item_index, const uint32_t index[3])
 {
-    soft_triangle t;
-
-    if (soft_triangle_set(&t, a, b, c, &d->pixels)) d->soft->desc.kernels->fill(&t, &d->pixels, item_index);
-}
-
-static void fill_clipped(const drawing *d, const soft_item *item, unsigned item_index, const uint32_t index[3])
-{
-    soft_vertex corner[SOFT_MOST_CORNERS];
-    const int count = soft_clip(d->soft, item, index, corner);
-    int32_t y0, y1;
+    soft_vertex polygon[SOFT_MOST_CORNERS];
+    const int count = soft_clip(d->soft, item, index, polygon);
     int i;
 
-    for (i = 2; i < count; i++)
-        if (soft_triangle_rows(&corner[0], &corner[i - 1], &corner[i], item->cull, d->soft->desc.height, &y0, &y1))
-            fill(d, item_index, &corner[0], &corner[i - 1], &corner[i]);
+    for (i = 2; i < count; i++) {
+        const soft_vertex *const corner[3] = {&polygon[0], &polygon[i - 1], &polygon[i]};
+
+        d->soft->desc.kernels->draw(corner, item->cull, &d->pixels, item_index);
+    }
 }
 
 static void draw_triangle(void *user, const soft_item *item, unsigned item_index, const uint32_t index[3])
 {
     const drawing *const d = user;
     const soft_vertex *const v = d->soft->vertex + item->first_vertex;
-    const soft_vertex *const a = &v[index[0]], *const b = &v[index[1]], *const c = &v[index[2]];
-    int32_t y0, y1;
+    const soft_vertex *const corner[3] = {&v[index[0]], &v[index[1]], &v[index[2]]};
 
-    if (a->z == SOFT_OUTSIDE || b->z == SOFT_OUTSIDE || c->z == SOFT_OUTSIDE)
-        fill_clipped(d, item, item_index, index);
-    else if (d->soft->sorted || soft_triangle_rows(a, b, c, item->cull, d->soft->desc.height, &y0, &y1))
-        fill(d, item_index, a, b, c);
+    if (corner[0]->z == SOFT_OUTSIDE || corner[1]->z == SOFT_OUTSIDE || corner[2]->z == SOFT_OUTSIDE)
+        draw_clipped(d, item, item_index, index);
+    else
+        d->soft->desc.kernels->draw(corner, item->cull, &d->pixels, item_index);
 }
 
 static uint8_t *take(uint8_t **at, size_t bytes)

@@ -73,6 +73,8 @@ void soft_sort(nacre_soft *soft)
     uint32_t *const begin = soft->band_begin;
     uint32_t i;
 
+    soft->sorted = 0;
+    if (soft->bands == 1) return; /* one band looks at all */
     memset(begin, 0, (soft->bands + 2) * sizeof *begin);
     each_reference(soft, 1);
     for (i = 0; i < soft->bands; i++) begin[i + 2] += begin[i + 1];
@@ -80,7 +82,7 @@ void soft_sort(nacre_soft *soft)
     if (soft->sorted) each_reference(soft, 0);
 }
 
-void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_draw *draw, void *user)
+void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_each *each, void *user)
 {
     const uint32_t begin = soft->sorted ? soft->band_begin[band] : 0;
     const uint32_t end = soft->sorted ? soft->band_begin[band + 1] : soft->triangle_count;
@@ -92,6 +94,6 @@ void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_draw *draw, 
 
         while (number >= soft->item[at].first_triangle + soft->item[at].triangle_count) at++;
         indices_of(&soft->item[at], number, index);
-        draw(user, &soft->item[at], at, index);
+        each(user, &soft->item[at], at, index);
     }
 }

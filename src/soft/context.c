@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-const nacre_soft_kernels nacre_soft_portable = {soft_fill,        shade_normalise, shade_table_add,
+const nacre_soft_kernels nacre_soft_portable = {soft_draw,        shade_normalise, shade_table_add,
                                                 shade_table_code, shade_encode,    soft_lit};
 
 static nacre_soft_desc with_defaults(const nacre_soft_desc *desc)

@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "eval_inner.h"
+#include "setup.h"
 
 typedef __m256i lanes;
 
@@ -435,7 +436,7 @@ static inline void step_edge(soft_edge *e)
 static inline void fill_part(const soft_triangle *t, const walk *w, soft_edge *left, soft_edge *right, int32_t row,
                              int32_t end, const soft_pixels *to, unsigned item)
 {
-    __m128i line = _mm_add_epi32(w->at, _mm_mullo_epi32(w->dy, _mm_set1_epi32(row - t->y0)));
+    __m128i line = _mm_add_epi32(w->at, _mm_mullo_epi32(w->dy, _mm_set1_epi32(row - t->row0)));
     size_t at = (size_t)((row - to->row0) * to->stride);
 
     for (; row < end; row++) {
@@ -451,20 +452,99 @@ static inline void fill_part(const soft_triangle *t, const walk *w, soft_edge *l
     }
 }
 
-static void fill(soft_triangle *t, const soft_pixels *to, unsigned item)
+static void fill(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item)
 {
-    soft_edge *const whole = &t->edge[0], *const upper = &t->edge[1], *const lower = &t->edge[2];
-    const walk w = walk_of(t);
+    soft_triangle t;
+    soft_edge *const whole = &t.edge[0], *const upper = &t.edge[1], *const lower = &t.edge[2];
+    walk w;
 
-    if (t->long_left) {
-        fill_part(t, &w, whole, upper, t->y0, t->y1, to, item);
-        fill_part(t, &w, whole, lower, t->y1, t->y2, to, item);
+    if (!soft_triangle_set(&t, corner, cull, to)) return;
+    w = walk_of(&t);
+    if (t.long_left) {
+        fill_part(&t, &w, whole, upper, t.y0, t.y1, to, item);
+        fill_part(&t, &w, whole, lower, t.y1, t.y2, to, item);
     } else {
-        fill_part(t, &w, upper, whole, t->y0, t->y1, to, item);
-        fill_part(t, &w, lower, whole, t->y1, t->y2, to, item);
+        fill_part(&t, &w, upper, whole, t.y0, t.y1, to, item);
+        fill_part(&t, &w, lower, whole, t.y1, t.y2, to, item);
     }
 }
 
-const nacre_soft_kernels nacre_soft_avx2 = {fill, normalise, table_add, table_code, encode, soft_lit};
+/* ---- small triangles: at most eight columns, every pixel tested against the three edges ------------------------------------- */
+
+static inline int32_t least(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t most(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* From p to q, the inside on the right: 0 and up at samples inside, or on a left or top edge. */
+static inline lanes edge_at(const soft_vertex *p, const soft_vertex *q, int32_t x, int32_t y, lanes *down)
+{
+    const int32_t dx = q->x - p->x, dy = q->y - p->y;
+    const int32_t at = dx * (y - p->y) - dy * (x - p->x) - !(dy < 0 || (!dy && dx > 0));
+
+    *down = all(16 * dx);
+    return _mm256_add_epi32(all(at), _mm256_mullo_epi32(all(-16 * dy), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)));
+}
+
+static inline void fill_small(const soft_vertex *const corner[3], int64_t area, int32_t x0, int32_t x1, int32_t y0,
+                              int32_t y1, const soft_pixels *to, unsigned item)
+{
+    const soft_vertex *const a = corner[0], *const b = corner[area > 0 ? 1 : 2], *const c = corner[area > 0 ? 2 : 1];
+    const lanes eight = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), columns = _mm256_cmpgt_epi32(all(x1 - x0), eight);
+    const int32_t x = 16 * x0 + 8, y = 16 * y0 + 8;
+    size_t at = (size_t)((y0 - to->row0) * to->stride + x0);
+    lanes edge[3], down[3], value[SOFT_PLANES], step[SOFT_PLANES];
+    soft_plane plane[SOFT_PLANES];
+    int i;
+
+    edge[0] = edge_at(a, b, x, y, &down[0]);
+    edge[1] = edge_at(b, c, x, y, &down[1]);
+    edge[2] = edge_at(c, a, x, y, &down[2]);
+    soft_set_planes(plane, corner, area);
+    for (i = 0; i < SOFT_PLANES; i++) {
+        const soft_plane *const p = &plane[i];
+
+        value[i] = _mm256_add_epi32(all((int32_t)(p->at + p->dx * (uint32_t)(x0 - (corner[0]->x >> 4)) +
+                                                  p->dy * (uint32_t)(y0 - (corner[0]->y >> 4)))),
+                                    _mm256_mullo_epi32(all((int32_t)p->dx), eight));
+        step[i] = all((int32_t)p->dy);
+    }
+    for (; y0 < y1; y0++, at += (size_t)to->stride) {
+        const lanes out = _mm256_or_si256(_mm256_or_si256(edge[0], edge[1]), edge[2]);
+
+        fill_eight(value, to, at, _mm256_andnot_si256(_mm256_srai_epi32(out, 31), columns), item);
+        for (i = 0; i < 3; i++) edge[i] = _mm256_add_epi32(edge[i], down[i]);
+        for (i = 0; i < SOFT_PLANES; i++) value[i] = _mm256_add_epi32(value[i], step[i]);
+    }
+}
+
+static void draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item)
+{
+    const soft_vertex *const a = corner[0], *const b = corner[1], *const c = corner[2];
+    const int64_t area = soft_area(a, b, c);
+    int32_t left, right, top, bottom, x0, x1, y0, y1;
+
+    if (soft_culled(area, cull)) return;
+    left = least(least(a->x, b->x), c->x);
+    right = most(most(a->x, b->x), c->x);
+    top = least(least(a->y, b->y), c->y);
+    bottom = most(most(a->y, b->y), c->y);
+    x0 = most(soft_sample(left), to->x0);
+    x1 = least(soft_sample(right), to->x1);
+    y0 = most(soft_sample(top), to->y0);
+    y1 = least(soft_sample(bottom), to->y1);
+    if (x0 >= x1 || y0 >= y1) return;
+    if (x1 - x0 <= 8 && right - left < 2048 && bottom - top < 2048)
+        fill_small(corner, area, x0, x1, y0, y1, to, item);
+    else
+        fill(corner, cull, to, item);
+}
+
+const nacre_soft_kernels nacre_soft_avx2 = {draw, normalise, table_add, table_code, encode, soft_lit};
 
 #endif

@@ -54,7 +54,7 @@ static void fill_part(const soft_triangle *t, soft_edge *left, soft_edge *right,
             for (i = 0; i < SOFT_PLANES; i++) {
                 const soft_plane *const p = &t->plane[i];
 
-                value[i] = p->at + p->dx * (uint32_t)(x0 - t->x0) + p->dy * (uint32_t)(row - t->y0);
+                value[i] = p->at + p->dx * (uint32_t)(x0 - t->x0) + p->dy * (uint32_t)(row - t->row0);
             }
             fill_span(t, value, to, (uint32_t)((row - to->row0) * to->stride + x0), x1 - x0, item);
         }
@@ -63,15 +63,17 @@ static void fill_part(const soft_triangle *t, soft_edge *left, soft_edge *right,
     }
 }
 
-void soft_fill(soft_triangle *t, const soft_pixels *to, unsigned item)
+void soft_draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item)
 {
-    soft_edge *const whole = &t->edge[0], *const upper = &t->edge[1], *const lower = &t->edge[2];
+    soft_triangle t;
+    soft_edge *const whole = &t.edge[0], *const upper = &t.edge[1], *const lower = &t.edge[2];
 
-    if (t->long_left) {
-        fill_part(t, whole, upper, t->y0, t->y1, to, item);
-        fill_part(t, whole, lower, t->y1, t->y2, to, item);
+    if (!soft_triangle_set(&t, corner, cull, to)) return;
+    if (t.long_left) {
+        fill_part(&t, whole, upper, t.y0, t.y1, to, item);
+        fill_part(&t, whole, lower, t.y1, t.y2, to, item);
     } else {
-        fill_part(t, upper, whole, t->y0, t->y1, to, item);
-        fill_part(t, lower, whole, t->y1, t->y2, to, item);
+        fill_part(&t, upper, whole, t.y0, t.y1, to, item);
+        fill_part(&t, lower, whole, t.y1, t.y2, to, item);
     }
 }

@@ -30,7 +30,7 @@ typedef struct soft_vertex {
 
 enum { SOFT_PLANES = 4 }; /* depth, normal x, y, z */
 
-typedef struct soft_plane { /* value at the first pixel of the first row, steps; wraps */
+typedef struct soft_plane { /* a value at a pixel, and its steps; wraps */
     uint32_t at, dx, dy;
 } soft_plane;
 
@@ -39,10 +39,10 @@ typedef struct soft_edge { /* first pixel at or right of the edge, row by row */
     int32_t rest, rest_step, whole; /* of the division, whole: its divisor */
 } soft_edge;
 
-typedef struct soft_triangle { /* rows y0..y2-1; left and right edge of the upper and lower part */
-    int32_t y0, y1, y2;
-    int32_t x0;        /* where the planes' `at` is, in row y0 */
-    soft_edge edge[3]; /* long, upper, lower */
+typedef struct soft_triangle {
+    int32_t y0, y1, y2; /* rows y0..y2-1, from y1 on the lower part */
+    int32_t x0, row0;   /* where the planes' `at` is */
+    soft_edge edge[3];  /* long, upper, lower */
     uint8_t long_left;
     soft_plane plane[SOFT_PLANES]; /* depth: q15; normals q30 */
 } soft_triangle;
@@ -64,6 +64,8 @@ typedef struct soft_camera { /* of one item, see transform.c */
     int64_t depth_low;       /* z / w, q30, that is depth 0 */
     int64_t depth_scale;     /* q24 */
     int32_t nearest;         /* least w, in the scale of row */
+    int64_t inverse;         /* of w, where it is the same everywhere; else 0 */
+    int32_t zeros;           /* inverse is 2^(62 - zeros) / w */
     uint8_t inside;          /* nothing needs clipping */
     uint8_t half;            /* normals become half of normal + eye */
 } soft_camera;
@@ -83,7 +85,7 @@ typedef struct soft_item {
 } soft_item;
 
 struct nacre_soft_kernels {
-    void (*fill)(soft_triangle *t, const soft_pixels *to, unsigned item);
+    void (*draw)(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item);
     void (*normalise)(uint32_t *xy, int16_t *z, int count);
     void (*table_add)(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count,
                       shade_rgb radiance);
@@ -136,18 +138,17 @@ int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t inde
 /* Rows *y0..*y1-1 of the frame that a triangle touches. 0: none, or culled (nacre_soft_cull). */
 int soft_triangle_rows(const soft_vertex *a, const soft_vertex *b, const soft_vertex *c, int cull, int32_t height,
                        int32_t *y0, int32_t *y1);
-/* For one that soft_triangle_rows lets pass. 0: nothing in the rows of `to`. */
-int soft_triangle_set(soft_triangle *out, const soft_vertex *a, const soft_vertex *b, const soft_vertex *c,
-                      const soft_pixels *to);
+/* 0: nothing in the rows of `to`, or culled. */
+int soft_triangle_set(soft_triangle *out, const soft_vertex *const corner[3], int cull, const soft_pixels *to);
 
 /* bins.c */
 void soft_sort(nacre_soft *soft);
-/* Calls `draw` for every triangle of a band, in order. */
-typedef void soft_draw(void *user, const soft_item *item, unsigned item_index, const uint32_t index[3]);
-void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_draw *draw, void *user);
+/* Calls `each` for every triangle of a band, in order. */
+typedef void soft_each(void *user, const soft_item *item, unsigned item_index, const uint32_t index[3]);
+void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_each *each, void *user);
 
-/* raster.c; advances the edges */
-void soft_fill(soft_triangle *t, const soft_pixels *to, unsigned item);
+/* raster.c */
+void soft_draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item);
 
 /* span.c */
 void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to);

@@ -130,6 +130,11 @@ void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_
     set_rows(out, view, &item->object_to_view, item->mesh);
     set_normals(out, &item->object_to_view, turn);
     look_at_box(out, low, high);
+    out->inverse = 0;
+    if (!(out->row[3][0] | out->row[3][1] | out->row[3][2]) && out->row[3][3] > 0) {
+        out->zeros = fx_leading_zeros((uint32_t)out->row[3][3]);
+        out->inverse = fx_reciprocal((uint32_t)out->row[3][3] << out->zeros);
+    }
     out->half = item->lit != 0;
 }
 
@@ -154,8 +159,8 @@ static int outside(const int32_t clip[4])
 
 void soft_project(const nacre_soft *soft, const soft_camera *camera, const int32_t clip[4], soft_vertex *out)
 {
-    const int zeros = fx_leading_zeros((uint32_t)clip[3]);
-    const int64_t inverse = fx_reciprocal((uint32_t)clip[3] << zeros); /* 1/w = inverse 2^(zeros - 62) */
+    const int zeros = camera->inverse ? camera->zeros : fx_leading_zeros((uint32_t)clip[3]);
+    const int64_t inverse = camera->inverse ? camera->inverse : fx_reciprocal((uint32_t)clip[3] << zeros);
     const int64_t x = clip[0] * inverse >> (34 - zeros), y = clip[1] * inverse >> (34 - zeros); /* q28 */
     const int64_t z = (clip[2] * inverse >> (32 - zeros)) - camera->depth_low;
     const int64_t depth = z <= 0 ? 0 : z * camera->depth_scale >> 24, near = camera->nearest * inverse >> (46 - zeros);

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/* What every set of kernels does for a triangle: culling, and the planes of depth and normal. */
+#ifndef SOFT_SETUP_H
+#define SOFT_SETUP_H
+
+#include "soft.h"
+
+static inline int64_t soft_area(const soft_vertex *a, const soft_vertex *b, const soft_vertex *c)
+{
+    return (int64_t)(b->x - a->x) * (c->y - a->y) - (int64_t)(c->x - a->x) * (b->y - a->y);
+}
+
+/* Counter-clockwise fronts have a negative area where y runs downwards. */
+static inline int soft_culled(int64_t area, int cull)
+{
+    return cull == NACRE_SOFT_CULL_BACK ? area >= 0 : cull == NACRE_SOFT_CULL_FRONT ? area <= 0 : !area;
+}
+
+typedef struct soft_slope { /* value x 16 / area = value x inverse 2^-shift */
+    int64_t inverse;
+    int shift;
+    int32_t dxb, dyb, dxc, dyc;
+    int32_t x, y; /* from the first corner to the sample where the planes begin, 28.4 */
+} soft_slope;
+
+static inline void soft_set_slope(soft_slope *s, const soft_vertex *a, const soft_vertex *b, const soft_vertex *c,
+                                  int64_t area)
+{
+    const uint64_t size = area < 0 ? 0 - (uint64_t)area : (uint64_t)area;
+    const int up = 31 - fx_top_bit(size);
+
+    s->inverse = fx_reciprocal(up >= 0 ? (uint32_t)size << up : (uint32_t)(size >> -up));
+    s->shift = 58 - up;
+    if (area < 0) s->inverse = -s->inverse;
+    s->dxb = b->x - a->x;
+    s->dyb = b->y - a->y;
+    s->dxc = c->x - a->x;
+    s->dyc = c->y - a->y;
+}
+
+/* n: below 2^36; the step a pixel with `fraction` more bits. 0: more than 32 bits hold. */
+static inline int soft_gradient(const soft_slope *s, int64_t n, int fraction, int32_t *out)
+{
+    const int small = n == (int32_t)n, shift = s->shift - fraction - (small ? 0 : 5);
+    const int64_t g = (small ? n : n >> 5) * s->inverse;
+
+    if (shift < 0) return 0;
+    *out = (int32_t)(g >> shift);
+    return g >> shift == *out;
+}
+
+/* a, b, c: 17 bits; at: a with `fraction` more bits, rounding included. Steeper than 32 bits hold, a sliver is drawn in its
+   first corner's value. */
+static inline void soft_set_plane(soft_plane *out, const soft_slope *s, int32_t a, int32_t b, int32_t c, int fraction,
+                                  int32_t at)
+{
+    const int64_t db = b - a, dc = c - a;
+    int32_t gx, gy;
+
+    if (!soft_gradient(s, db * s->dyc - dc * s->dyb, fraction, &gx) ||
+        !soft_gradient(s, dc * s->dxb - db * s->dxc, fraction, &gy))
+        gx = gy = 0;
+    out->at = (uint32_t)at + (uint32_t)(((int64_t)gx * s->x + (int64_t)gy * s->y) >> 4);
+    out->dx = (uint32_t)gx;
+    out->dy = (uint32_t)gy;
+}
+
+/* Normals times 1/w are linear on the screen, and point the same way: the largest 1/w between 1/2 and 1. */
+static inline void soft_set_normals(soft_plane plane[SOFT_PLANES], const soft_slope *s,
+                                    const soft_vertex *const corner[3])
+{
+    const uint32_t all = (uint32_t)corner[0]->nearness & corner[1]->nearness & corner[2]->nearness;
+    const uint32_t most = (uint32_t)corner[0]->nearness | corner[1]->nearness | corner[2]->nearness;
+    const int up = fx_leading_zeros(most) - 16;
+    int i, k;
+
+    for (i = 0; i < 3; i++) {
+        int32_t value[3];
+
+        for (k = 0; k < 3; k++) {
+            value[k] = corner[k]->normal[i];
+            if (all != 65535) value[k] = value[k] * (int32_t)((uint32_t)corner[k]->nearness << up) >> 16;
+        }
+        soft_set_plane(&plane[1 + i], s, value[0], value[1], value[2], 16, value[0] * 65536 + 32768);
+    }
+}
+
+/* First sample row at or below y, or column at or right of x. */
+static inline int32_t soft_sample(int32_t y)
+{
+    return (y + 7) >> 4;
+}
+
+/* Planes begin at the first corner's pixel, whatever part is drawn: no band changes a bit. */
+static inline void soft_set_planes(soft_plane plane[SOFT_PLANES], const soft_vertex *const corner[3], int64_t area)
+{
+    const soft_vertex *const a = corner[0], *const b = corner[1], *const c = corner[2];
+    soft_slope s;
+
+    soft_set_slope(&s, a, b, c, area);
+    s.x = 8 - (a->x & 15);
+    s.y = 8 - (a->y & 15);
+    soft_set_plane(&plane[0], &s, a->z >> 15, b->z >> 15, c->z >> 15, 15, a->z + 16384);
+    soft_set_normals(plane, &s, corner);
+}
+
+#endif
