@@ -11,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "light_bake.h"
 #include "png_io.h"
 #include "scene.h"
 #include "sheet.h"
@@ -292,6 +293,51 @@ static void object_sheet(studio *st, const char *mesh_name, const scene_camera *
     save(st, &sh, file);
 }
 
+/* ---- a photographed environment as many lights, through lit spheres ------------------------------------------- */
+
+static void environment_sheet(studio *st, const char *map_path, const scene_camera *camera)
+{
+    const sheet_layout layout = {.title = "Six materials in a photographed studio: 512 lights, one fetch per pixel",
+                                 .columns = COUNT(six),
+                                 .rows = 3,
+                                 .cell_width = 256,
+                                 .cell_height = 160,
+                                 .row_label_width = 140,
+                                 .has_heads = 1};
+    const light_options options = {.count = 512};
+    sheet sh = sheet_begin(&layout);
+    env_map map;
+    light_set lights;
+    mesh shape;
+    failure f = {0};
+    int i, row;
+
+    need(env_map_open(&map, map_path, &f), &f);
+    need(light_bake(&lights, NULL, &map, map_path, &options, &f), &f);
+    need(mesh_open(&shape, "teapot", &f), &f);
+    studio_size(st, layout.cell_width, layout.cell_height);
+    for (i = 0; i < COUNT(six); i++) {
+        scene_material m;
+        open_asset(st, &m, six[i].brdf, "table");
+        for (row = 0; row < layout.rows; row++) {
+            scene s = empty_scene(st, &shape, camera, 0.8);
+            s.distant = &lights;
+            s.lit_size = 256;
+            place(&sh, i, row, draw(st, &s, &m));
+            light_set_turn(&lights, 120); /* three times: as before for the next material */
+        }
+        sheet_head(&sh, i, six[i].label);
+        scene_material_close(&m);
+    }
+    sheet_row_label(&sh, 0, "as it is");
+    sheet_row_label(&sh, 1, "turned by 120");
+    sheet_row_label(&sh, 2, "turned by 240");
+    mesh_free(&shape);
+    light_set_free(&lights);
+    env_map_free(&map);
+    save(st, &sh, "environment.png");
+}
+
 /* ---- the figures of Mihalik & Durikovic 2015 --------------------------------------------------------------------- */
 
 static scene lone_sphere(const studio *st, const mesh *sphere, double polar_deg, double exposure)
@@ -434,7 +480,7 @@ static int pick_backend(const char *name)
 int main(int argc, char **argv)
 {
     const scene_camera above = {.yaw_deg = 25, .pitch_deg = 22}, front = {.yaw_deg = 0, .pitch_deg = 8};
-    const char *const bunny = "fixtures/in/bunny.obj";
+    const char *const bunny = "fixtures/in/bunny.obj", *const studio_map = "fixtures/in/studio.hdr";
     studio st = {.directory = argc > 1 ? argv[1] : "out"};
     mesh sphere;
     failure f = {0};
@@ -450,6 +496,7 @@ int main(int argc, char **argv)
         object_sheet(&st, bunny, &front, 256, "Six materials on the bunny", "bunny.png");
     else
         object_sheet(&st, "torus", &above, 256, "Six materials on the torus", "torus.png");
+    if (access(studio_map, R_OK) == 0) environment_sheet(&st, studio_map, &above);
     paper_figures(&st, &sphere);
     scene_gles_close(st.gles);
     mesh_free(&sphere);
