@@ -56,7 +56,7 @@ typedef struct nacre_soft_desc {
 } nacre_soft_desc;
 
 /* A sphere of finished display codes in one material under one set of lights, indexed by the bisector h of normal and
-   eye: texel (x, y) = (1/2 + 2/3 h.x, 1/2 - 2/3 h.y) x size, nearest. Any number of lights costs one fetch a pixel. */
+   eye: texel (x, y) = (1/2 + 5/8 h.x, 1/2 - 5/8 h.y) x size, nearest. Any number of lights costs one fetch a pixel. */
 typedef struct nacre_soft_lit {
     const void *texels; /* borrowed; size x size, tight rows from the top, in the frame's format */
     uint16_t size;      /* 8..512 */

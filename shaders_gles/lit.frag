@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Drawn by lit spheres: one fetch by the bisector of normal and eye, which is (n + z) / |n + z| in the sphere's frame. Its
-// x and y are an equal-area map of the directions; the picture reaches 3/4 of the way to the antipode.
+// x and y are an equal-area map of the directions; the picture is 1.6 wide: normals up to 106 degrees from the eye.
 
 uniform sampler2D u_map[1 + MIX];
 #if NORMAL_MAP
@@ -25,7 +25,7 @@ void main()
 #else
     vec3 h = v_normal; // the vertex stage has added z
 #endif
-    vec2 at = normalize(h).xy * (2.0 / 3.0) + 0.5;
+    vec2 at = normalize(h).xy * 0.625 + 0.5;
     vec3 color = texture2D(u_map[0], at).rgb;
 #if MIX
     color = (texture2D(u_map[1], at).rgb - color) * mask.r + color; // a word less on Mali-450 than mix()

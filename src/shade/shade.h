@@ -164,9 +164,9 @@ uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16);
 /* Texel (column, row) of the power table of nacre_asset.h, 0..65535; width, height 2..4096. Set-up. */
 uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsigned height);
 
-/* Pictures of lit spheres are indexed by x and y of the bisector of normal and eye, this far to each side (3/4: normals up to
-   97 degrees from the eye), on every backend. */
-#define SHADE_LIT_HALF_Q16 49152
+/* Pictures of lit spheres are indexed by x and y of the bisector of normal and eye, this far to each side (0.8: normals up to
+   106 degrees from the eye), on every backend. */
+#define SHADE_LIT_HALF_Q16 52429
 
 /* ---- between the files of this room ----------------------------------------------------------- */
 

@@ -6,7 +6,7 @@
 
 enum { BATCH = 32 }; /* pixels at a time: 500 bytes of stack */
 
-/* The texel of a bisector: offset from the middle by h.xy / |h| x 2/3 size. */
+/* The texel of a bisector: offset from the middle by h.xy / |h| x 5/8 size. */
 static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t z, uint32_t scale)
 {
     const int32_t x = (int16_t)(xy & 65535u), y = (int32_t)xy >> 16;
@@ -20,7 +20,7 @@ static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t 
 
 void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to)
 {
-    const uint32_t scale = lit->size * 2731u >> 6; /* 2/3 size, for q14 to q16, x 16 */
+    const uint32_t scale = lit->size * 40u; /* 5/8 size, for q14 to q16, x 16 */
     int i;
 
     if (bytes == 2) {

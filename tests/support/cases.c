@@ -25,10 +25,14 @@
  *                pixels, lights behind); meshes: packed normals, and outlines of parts before others that move by 1/256
  *                pixel, one pixel wide (2 % of the pixels); paper under perspective: mip levels, which double leaves out,
  *                where the frame is much smaller than the images
+ *   lit          between texels of 256 a side: flanks of highlights, the terminator and the rim are off there (0.2 % of the
+ *                pixels further); normals bumped by more than 16 degrees past the rim are beyond the picture
  *   fp16         11 bits: some codes more on the flank of highlights (test_fp16.c compares it with fp32)
  */
 static const compare_bound toe = {-5, 4, 0, 0}, sum = {-4, 4, 0, 0}, root = {-3, 3, 0, 0}, light = {-4, 4, .003, 0};
 static const compare_bound rim = {-4, 4, .003, 0}, mip = {-4, 4, .02, 0}, bump = {-6, 5, 0, 0};
+static const compare_bound lit_256 = {-4, 4, .002, 0}, half_lit = {-5, 5, .002, 0}, mesh_lit = {-6, 6, .005, .003};
+static const compare_bound lit_bump = {-7, 7, .015, 0};
 static const compare_bound mesh_toe = {-5, 4, .004, .003}, mesh_sum = {-4, 4, .02, .003};
 static const compare_bound half = {-7, 6, .001, 0}, half_rim = {-7, 6, .004, 0}, mesh_half = {-7, 6, .008, .003};
 
@@ -270,10 +274,117 @@ const frame_case frame_cases[] = {
      .normal_map = 1,
      .fp32 = &mesh_sum,
      .fp16 = &mesh_half},
+    {.name = "lit 1 light", .brdf = GOLD, .lights = 1, .lit = 256, .fp32 = &lit_256, .fp16 = &half_lit},
+    {.name = "lit 1 light at 110",
+     .brdf = YELLOW,
+     .lights = 1,
+     .polar_deg = 110,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit p4 3 lights sqrt",
+     .model = CASE_TABLE_P4,
+     .brdf = GOLD,
+     .lights = 3,
+     .output = SQRT,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit 8 lights linear",
+     .brdf = YELLOW,
+     .lights = 8,
+     .output = LINEAR,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit ambient, tint, exposure, shadow",
+     .brdf = YELLOW,
+     .lights = 2,
+     .ambient = .5,
+     .tint = .7,
+     .exposure = 1.5,
+     .shadow = .4,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit ambient alone", .brdf = YELLOW, .ambient = 2, .lit = 64, .fp32 = &lit_256, .fp16 = &half_lit},
+    {.name = "lit 64 lights", .brdf = GOLD, .distant = 64, .lit = 256, .fp32 = &lit_256, .fp16 = &half_lit},
+    {.name = "lit fine 40 lights linear",
+     .model = CASE_FINE,
+     .brdf = YELLOW,
+     .lights = 1,
+     .distant = 39,
+     .output = LINEAR,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit spheres 5 lights",
+     .model = CASE_SPHERES,
+     .brdf = GOLD,
+     .lights = 5,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit paper 2 lights",
+     .model = CASE_PAPER,
+     .brdf = YELLOW,
+     .lights = 2,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "lit normal map, 12 lights",
+     .brdf = GOLD,
+     .distant = 12,
+     .normal_map = 1,
+     .lit = 256,
+     .fp32 = &lit_bump,
+     .fp16 = &lit_bump},
+    {.name = "lit distant viewer 4 lights",
+     .brdf = GOLD,
+     .camera = CASE_DISTANT,
+     .lights = 4,
+     .lit = 256,
+     .fp32 = &lit_256,
+     .fp16 = &half_lit},
+    {.name = "teapot lit distant viewer 20 lights",
+     .brdf = YELLOW,
+     .mesh = "teapot",
+     .camera = CASE_DISTANT,
+     .distant = 20,
+     .lit = 256,
+     .fp32 = &mesh_lit,
+     .fp16 = &mesh_lit},
+    {.name = "torus lit normal map 2 lights",
+     .brdf = YELLOW,
+     .mesh = "torus",
+     .lights = 2,
+     .normal_map = 1,
+     .lit = 256,
+     .fp32 = &mesh_lit,
+     .fp16 = &mesh_lit},
 };
 const int frame_case_count = sizeof frame_cases / sizeof *frame_cases;
 
 /* ---- scenes ---------------------------------------------------------------------------------------------------- */
+
+/* count lights over the whole sphere, dim ones among them; together about as strong as the fixed set. */
+static const light_set *lights_around(int count)
+{
+    static distant_light all[64];
+    static light_set set = {all, 0};
+    int i, k;
+
+    set.count = count;
+    for (i = 0; i < count; i++) {
+        const double z = 1 - 2 * (i + .5) / count, azimuth = 2.399963 * i, across = sqrt(1 - z * z);
+        const double power = 12. / count * (i % 5 ? .6 : 2.6);
+        all[i].direction[0] = across * cos(azimuth);
+        all[i].direction[1] = across * sin(azimuth);
+        all[i].direction[2] = z;
+        for (k = 0; k < 3; k++) all[i].irradiance[k] = power * (1 + .4 * cos(azimuth + k));
+    }
+    return count ? &set : NULL;
+}
 
 void case_scene(scene *s, const frame_case *c, const mesh *shape, int width, int height)
 {
@@ -310,6 +421,8 @@ void case_scene(scene *s, const frame_case *c, const mesh *shape, int width, int
         scene_add_point(s, at, strength[i]);
     }
     s->light[0].shadow = c->shadow;
+    s->distant = lights_around(c->distant);
+    s->lit_size = c->lit;
 }
 
 /* ---- assets ---------------------------------------------------------------------------------------------------- */

@@ -25,6 +25,8 @@ typedef struct frame_case {
     const char *mesh;
     case_camera camera;
     int lights, points;        /* so many of the fixed sets */
+    int distant;               /* so many more directional lights all around */
+    int lit;                   /* drawn by a lit sphere of so many texels a side, 0: directly */
     int output;                /* nacre_output */
     int normal_map;            /* 1: the bumpy one */
     double exposure;           /* 0: 2.5 */

@@ -20,13 +20,15 @@
 
 enum { SIZE = 64, MOST_LIGHTS = 1024 };
 
-/* The normal of a place, from the definition: its bisector with +z has these x and y. 0: beyond all normals. */
+/* The normal of a place, from the definition: its bisector with +z has these x and y. 0: beyond all normals, or so near
+   to the one straight behind that the place's own rounding shows. */
 static int place_normal(int size, int i, int j, double n[3])
 {
-    const double h[2] = {(2.0 * i + 1 - size) / size * 0.75, (size - 2.0 * j - 1) / size * 0.75};
+    const double half = 52429 / 65536.0; /* 0.8 in q16 */
+    const double h[2] = {(2.0 * i + 1 - size) / size * half, (size - 2.0 * j - 1) / size * half};
     const double square = h[0] * h[0] + h[1] * h[1], hz = sqrt(1 - square);
 
-    if (square >= 1) return 0;
+    if (square >= 0.98) return 0;
     n[0] = 2 * hz * h[0];
     n[1] = 2 * hz * h[1];
     n[2] = 2 * hz * hz - 1;
