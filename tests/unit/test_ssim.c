@@ -129,8 +129,8 @@ static void channels_are_averaged(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(same_as_scikit_image), cmocka_unit_test(flat_pictures),
-        cmocka_unit_test(one_window_of_a_mask), cmocka_unit_test(nothing_to_look_at),
+        cmocka_unit_test(same_as_scikit_image),  cmocka_unit_test(flat_pictures),
+        cmocka_unit_test(one_window_of_a_mask),  cmocka_unit_test(nothing_to_look_at),
         cmocka_unit_test(channels_are_averaged),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

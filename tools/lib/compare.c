@@ -137,7 +137,7 @@ int compare_run(compare_result *out, metric_frames *frames, const compare_truth 
                 compare_device *device, failure *f)
 {
     int exact = compare_device_is_double(device), code = FAIL_NONE;
-    metric_frames decoded, shown = {0}, *drawn = exact ? &decoded : &shown, *other = exact ? &shown : &decoded;
+    metric_frames decoded = {0}, shown = {0}, *drawn = exact ? &decoded : &shown, *other = exact ? &shown : &decoded;
     if (!exact && !asset->texture_bytes)
         return fail(f, FAIL_UNSUPPORTED, "%s: a BRDF draws in double only, expected FILE.ktx2", asset->name);
     if (!exact) code = compare_device_draw(&shown, device, asset, truth->exposure, truth->fov_deg, f);
