@@ -60,7 +60,7 @@ static void normals_are_those_of_the_bisector_map(void **state)
         }
     }
     print_message("normals: worst %.3f of 2^-14\n", worst);
-    assert_true(worst < 0.51); /* rounding alone makes 0.5 */
+    assert_true(worst < 0.55); /* rounding alone makes 0.5, that of the place 0.04 more */
 }
 
 /* ---- pictures ---------------------------------------------------------------------------------------------------- */
