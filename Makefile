@@ -78,7 +78,7 @@ FAULT := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/fault/test_*.c))
 BUDGET := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/budget/test_*.c))
 SUPPORT := $(patsubst tests/%.c,$(O)/tests/%.o,$(wildcard tests/support/*.c))
 
-.PHONY: all lib tool demo test tests check-long lint shaders sizes bench install clean help power-table deps-build deps-demo \
+.PHONY: bare-metal all lib tool demo test tests check-long lint shaders sizes bench install clean help power-table deps-build deps-demo \
         deps-test deps-check-long run-tests sanitize-tests budget
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -236,6 +236,15 @@ lint: $(O)/gen/glsl_limits
 	  --suppress=missingIncludeSystem --suppress=preprocessorErrorDirective -Iinclude $(ROOMS:%=-Isrc/%) -Itools/lib src tools/lib tools/*.c tools/gen
 	@$(SUBMAKE) shaders
 	@sh tests/lint_shaders.sh $(BUILD)/shaders $(O)/gen/glsl_limits
+
+$(O)/bare_metal_scene: tests/bare_metal/make_scene.c $(TOOLS_LIB) $(LIB) Makefile
+	@mkdir -p $(@D)
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_tests) -Itests/bare_metal -o $@ $< $(TOOLS_LIB) $(LIB) $(HOST_LIBS) $(LDFLAGS)
+
+## bare-metal: the teapot on emulated Cortex-M3, M4 and M7, compared with this machine's frame; instructions a pixel
+bare-metal: $(O)/bare_metal_scene
+	@sh tests/bare_metal/run.sh $(BUILD)
 
 # ---- installing ----------------------------------------------------------------------------------
 

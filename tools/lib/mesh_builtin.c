@@ -284,29 +284,34 @@ static int add_tea(mesh *m, int *vertex, int at, const patch tip[SPOUT_TIP], int
     return at;
 }
 
-/* Newell's teapot: 32 patches of 8 x 8 cells, frames from the patches' derivatives; uv 0..1 on every patch. */
-static void make_teapot(mesh *out)
+/* Newell's teapot: 32 patches of cells x cells, frames from the patches' derivatives; uv 0..1 on every patch. */
+void mesh_teapot(mesh *out, int cells)
 {
-    enum { CELLS = 8, STRIDE = CELLS + 1 };
+    const int stride = cells + 1;
     patch patches[PATCHES];
     read_patches(patches);
     place_patches(patches);
-    mesh m = mesh_make("teapot", PATCHES * STRIDE * STRIDE + 1 + SPOUT_TIP * STRIDE,
-                       3 * (PATCHES * CELLS * CELLS * 2 + SPOUT_TIP * CELLS));
+    mesh m = mesh_make("teapot", PATCHES * stride * stride + 1 + SPOUT_TIP * stride,
+                       3 * (PATCHES * cells * cells * 2 + SPOUT_TIP * cells));
     int vertex = 0, at = 0, tip = 0;
     for (int k = 0; k < PATCHES; k++) {
         int first = vertex;
-        for (int i = 0; i < STRIDE * STRIDE; i++) {
-            surface_point p = patch_point(&patches[k], (double)(i % STRIDE) / CELLS, (double)(i / STRIDE) / CELLS);
+        for (int i = 0; i < stride * stride; i++) {
+            surface_point p = patch_point(&patches[k], (double)(i % stride) / cells, (double)(i / stride) / cells);
             set_vertex(&m, vertex++, &p);
         }
-        for (int i = 0; i < CELLS * CELLS; i++) at = add_cell(&m, at, first + i / CELLS * STRIDE + i % CELLS, STRIDE);
+        for (int i = 0; i < cells * cells; i++) at = add_cell(&m, at, first + i / cells * stride + i % cells, stride);
         if (patches[k].is_spout) tip = k - SPOUT_TIP + 1;
     }
-    at = add_tea(&m, &vertex, at, patches + tip, CELLS);
+    at = add_tea(&m, &vertex, at, patches + tip, cells);
     m.index_count = at;
     fit_unit_sphere(&m);
     *out = m;
+}
+
+static void make_teapot(mesh *out)
+{
+    mesh_teapot(out, 8);
 }
 
 int mesh_builtin(mesh *out, const char *name)

@@ -13,6 +13,9 @@ int mesh_builtin(mesh *out, const char *name);
 /* Their names, for messages. */
 #define MESH_BUILTIN_NAMES "sphere, teapot, plane, torus"
 
+/* The teapot with patches of cells x cells; built in: 8. */
+void mesh_teapot(mesh *out, int cells);
+
 /* A file that exists, by its suffix. Node transforms are applied, points and lines left out; FAIL_INVALID: content. */
 int mesh_import(mesh *out, const char *name, failure *f);
 
