@@ -17,20 +17,15 @@ int16_t shade_eval_q14(int32_t x_q28)
     return (int16_t)(x > 16384 ? 16384 : x < -16384 ? -16384 : x);
 }
 
-/* Of a q14 normal; |n|^2 x 2^24 = 4^half x (1..4). */
 void shade_normalise(uint32_t *xy, int16_t *z, int count)
 {
     int i;
 
     for (i = 0; i < count; i++) {
-        const eval_surface n = eval_surface_of(xy[i], z[i]);
-        const eval_split s = eval_split_of((uint32_t)n.square >> 4 ? (uint32_t)n.square >> 4 : 1);
-        const int32_t half = s.exponent >> 1, round = (1 << half) * 4;
-        const uint32_t node = ((uint32_t)s.exponent & 1) << 4 | s.mantissa >> 28;
-        const int32_t inverse = eval_between(shade_lut_inverse_root[node], eval_fraction(s, 4)) >> 16;
+        const eval_surface n = eval_unit(xy[i], z[i]);
 
-        xy[i] = shade_pack_xy((n.x * inverse + round) >> (half + 3), (n.y * inverse + round) >> (half + 3));
-        z[i] = (int16_t)((n.z * inverse + round) >> (half + 3));
+        xy[i] = shade_pack_xy(n.x, n.y);
+        z[i] = (int16_t)n.z;
     }
 }
 

@@ -93,13 +93,13 @@ void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int
 void shade_spheres_add(const shade_spheres_eval *eval, const uint32_t *xy, const int16_t *z, int count,
                        shade_rgb radiance);
 
-/* Codes R | G << 8 | B << 16 | 255 << 24. */
+/* Codes R | G << 8 | B << 16 | 255 << 24. shade_table_code takes normals of any length up to 1. */
 void shade_table_code(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba);
 void shade_encode(shade_rgb radiance, int count, nacre_output output, uint32_t *rgba);
 
 /* 1 / |n| for small tables of pictures, q11: [|n|^2 >> 20], n in q14. Within 0.4 % down to |n| = 1/2, below not above the
    truth. */
-extern const uint16_t shade_lut_unit[256];
+extern const uint16_t shade_lut_unit[257];
 
 /* Start a sum: ambient radiance, or nothing. */
 void shade_rgb_fill(shade_rgb radiance, int count, const fx_real ambient[3]);

@@ -10,36 +10,44 @@
 
 #include "eval.h"
 
+#if defined(__GNUC__)
+#define EVAL_INLINE static inline __attribute__((always_inline))
+#else
+#define EVAL_INLINE static inline
+#endif
+
 extern const uint32_t shade_lut_log2[16];
-extern const uint32_t shade_lut_root48[117]; /* 8 to an octave, from 2^9: 2^23 is 1.0 */
-extern const uint32_t shade_lut_srgb[105];   /* 8 to an octave, from 2^3: 2^16 is white; codes x 128 */
-extern const uint32_t shade_lut_inverse_root[32];
+extern const uint32_t shade_lut_root48[117];      /* 8 to an octave, from 2^9: 2^23 is 1.0 */
+extern const uint32_t shade_lut_srgb[105];        /* 8 to an octave, from 2^3: 2^16 is white; codes x 128 */
+extern const uint32_t shade_lut_inverse_root[32]; /* of 1..4 */
+extern const uint32_t shade_lut_length[65];       /* 2^14 / sqrt(x / 64), x from 16 on */
 
-#define SHADE_CODE_LOW 29412557 /* .055 x 255 x 2^21 */
+#define SHADE_CODE_LOW  29412557 /* .055 x 255 x 2^21 */
+#define SHADE_CODE_MOST 23774    /* its square less SHADE_CODE_LOW is code 255 */
 
-static inline int32_t eval_x(uint32_t xy)
+EVAL_INLINE int32_t eval_x(uint32_t xy)
 {
     return (int16_t)(xy & 65535u);
 }
 
-static inline int32_t eval_y(uint32_t xy)
+EVAL_INLINE int32_t eval_y(uint32_t xy)
 {
     return (int32_t)xy >> 16;
 }
 
 /* Between a node and the next, q31. */
-static inline int32_t eval_between(uint32_t word, int32_t f_q15)
+EVAL_INLINE int32_t eval_between(uint32_t word, int32_t f_q15)
 {
     return (int32_t)word + (int16_t)(word & 65535u) * f_q15;
 }
 
 /* (a b + 1/2) >> 15, as pmulhrsw and SQRDMULH do. */
-static inline int32_t eval_mul_q15(int32_t a, int32_t b)
+EVAL_INLINE int32_t eval_mul_q15(int32_t a, int32_t b)
 {
     return (a * b + 16384) >> 15;
 }
 
-static inline int32_t eval_least(int32_t a, int32_t b)
+EVAL_INLINE int32_t eval_least(int32_t a, int32_t b)
 {
     return a < b ? a : b;
 }
@@ -50,7 +58,7 @@ typedef struct eval_split {
     uint32_t mantissa;
 } eval_split;
 
-static inline eval_split eval_split_of(uint32_t x)
+EVAL_INLINE eval_split eval_split_of(uint32_t x)
 {
     const int zeros = fx_leading_zeros(x);
     eval_split out;
@@ -61,18 +69,18 @@ static inline eval_split eval_split_of(uint32_t x)
 }
 
 /* Index among 2^bits nodes to an octave, and the fraction behind it. */
-static inline int32_t eval_node(eval_split s, int bits)
+EVAL_INLINE int32_t eval_node(eval_split s, int bits)
 {
     return (s.exponent << bits) + (int32_t)(s.mantissa >> (32 - bits));
 }
 
-static inline int32_t eval_fraction(eval_split s, int bits)
+EVAL_INLINE int32_t eval_fraction(eval_split s, int bits)
 {
     return (int32_t)(s.mantissa >> (17 - bits) & 32767u);
 }
 
 /* log2 of x > 0, q12. */
-static inline int32_t eval_log2(uint32_t x)
+EVAL_INLINE int32_t eval_log2(uint32_t x)
 {
     const eval_split s = eval_split_of(x);
 
@@ -80,7 +88,7 @@ static inline int32_t eval_log2(uint32_t x)
 }
 
 /* 4.8th root of x / 2^23, q15; below 2^-14 that of 2^-14. */
-static inline int32_t eval_root48(int32_t x)
+EVAL_INLINE int32_t eval_root48(int32_t x)
 {
     const eval_split s = eval_split_of((uint32_t)(x < 512 ? 512 : x));
 
@@ -89,7 +97,7 @@ static inline int32_t eval_root48(int32_t x)
 
 /* v^2.4, both q15: v^2 times a cubic for v^0.4, within 0.2 codes of 255 in what becomes of it (v: 4.8th root of a quarter
    of the radiance). Coefficients x 1/2. */
-static inline int32_t eval_pow24(int32_t v)
+EVAL_INLINE int32_t eval_pow24(int32_t v)
 {
     int32_t c = eval_mul_q15(6031, v) - 16375;
 
@@ -99,14 +107,56 @@ static inline int32_t eval_pow24(int32_t v)
 }
 
 /* q16 radiance of its root / 2, q15. */
-static inline uint32_t eval_square(int32_t r)
+EVAL_INLINE uint32_t eval_square(int32_t r)
 {
     return (uint32_t)(r * r) >> 12;
 }
 
-static inline int32_t eval_product(int32_t root, int32_t gain, int shift)
+EVAL_INLINE int32_t eval_product(int32_t root, int32_t gain, int shift)
 {
     return eval_least(root * gain >> shift, 32767);
+}
+
+typedef struct eval_surface { /* what every light of a pixel shares */
+    int32_t x, y, z;
+    int32_t square; /* |n|^2, q28 */
+} eval_surface;
+
+EVAL_INLINE eval_surface eval_surface_of(uint32_t xy, int32_t z)
+{
+    eval_surface n;
+
+    n.x = eval_x(xy);
+    n.y = eval_y(xy);
+    n.z = z;
+    n.square = n.x * n.x + n.y * n.y + z * z;
+    return n;
+}
+
+/* The unit normal of a q14 one. From half of unit length on by one look-up; shorter ones by their exponent: |n|^2 x 2^24 =
+   4^half x (1..4). */
+EVAL_INLINE eval_surface eval_unit(uint32_t xy, int32_t z)
+{
+    eval_surface n = eval_surface_of(xy, z);
+    const uint32_t square = (uint32_t)n.square;
+    int32_t inverse, shift = 14;
+
+    if (square >> 26) {
+        inverse =
+            eval_between(shade_lut_length[square >> 22 < 64 ? square >> 22 : 64], (int32_t)(square >> 7 & 32767)) >> 16;
+    } else {
+        const eval_split s = eval_split_of(square >> 4 ? square >> 4 : 1);
+
+        inverse = eval_between(shade_lut_inverse_root[((uint32_t)s.exponent & 1) << 4 | s.mantissa >> 28],
+                               eval_fraction(s, 4)) >>
+                  16;
+        shift = (s.exponent >> 1) + 3;
+    }
+    n.x = (n.x * inverse + (1 << shift >> 1)) >> shift;
+    n.y = (n.y * inverse + (1 << shift >> 1)) >> shift;
+    n.z = (n.z * inverse + (1 << shift >> 1)) >> shift;
+    n.square = n.x * n.x + n.y * n.y + n.z * n.z;
+    return n;
 }
 
 /* 2^log2 as gain x 2^-shift on a product of q14 and q15 that is to be q15. */
@@ -122,29 +172,13 @@ int16_t shade_eval_q14(int32_t x_q28);
  * max(k W), or (A - 1/2) max(k K2); (T - 1/2) k K1.
  */
 
-typedef struct eval_surface { /* what every light of a pixel shares */
-    int32_t x, y, z;
-    int32_t square; /* |n|^2, q28 */
-} eval_surface;
-
-static inline eval_surface eval_surface_of(uint32_t xy, int32_t z)
-{
-    eval_surface n;
-
-    n.x = eval_x(xy);
-    n.y = eval_y(xy);
-    n.z = z;
-    n.square = n.x * n.x + n.y * n.y + z * z;
-    return n;
-}
-
-static inline int32_t eval_dot(const eval_surface *n, uint32_t xy, int32_t z)
+EVAL_INLINE int32_t eval_dot(const eval_surface *n, uint32_t xy, int32_t z)
 {
     return n->x * eval_x(xy) + n->y * eval_y(xy) + n->z * z;
 }
 
 /* u of the table, q15. |n - h|^2 + 2 eps = |n|^2 + (|h|^2 + 2 eps) - 2 n.h: exact in integers. */
-static inline int32_t eval_column(const shade_table_eval *e, const eval_surface *n)
+EVAL_INLINE int32_t eval_column(const shade_table_eval *e, const eval_surface *n)
 {
     const int32_t distance = n->square + eval_dot(n, e->half_xy, e->half_z) + e->offset;
     const int32_t u = ((eval_log2((uint32_t)distance >> 7) - e->log_middle) * e->scale >> 8) + e->at_middle;
@@ -152,32 +186,49 @@ static inline int32_t eval_column(const shade_table_eval *e, const eval_surface 
     return eval_least(u, e->last);
 }
 
-static inline int32_t eval_clip_root(int32_t root_q29)
+EVAL_INLINE int32_t eval_clip_root(int32_t root_q29)
 {
     const int32_t root = root_q29 >> 15;
 
     return root < 0 ? 0 : eval_least(root, 32767);
 }
 
-/* Roots of pi E f_r l.h x light, q14, at least 0. nl: q28 */
-static inline void eval_table_roots(const shade_table_eval *e, const eval_surface *n, int32_t nl, int fine,
-                                    int32_t root[3])
+/* Without the terms of the fine tier no root reaches 2. */
+EVAL_INLINE int32_t eval_lit_root(int32_t root_q29)
 {
-    const int32_t u = eval_column(e, n), f = u & 32767;
-    const uint32_t *const w = e->columns + (u >> 15) * (fine ? 8 : 4);
-    const int32_t a = (nl >> 14) - n->z, size = eval_least(a < 0 ? -a : a, e->limit), square = size * size >> 13;
-    const int32_t shared = eval_between(w[3], f) >> 15;
-    int i;
+    const int32_t root = root_q29 >> 15;
 
-    if (fine) {
-        for (i = 0; i < 3; i++)
-            root[i] = eval_clip_root(eval_between(w[i], f) + (eval_between(w[4 + i], f) >> 15) * square +
-                                     (shared * (2 * size) >> 15) * e->phi[i]);
-    } else {
-        const int32_t bend = shared * square >> 15;
+    return root < 0 ? 0 : root;
+}
 
-        for (i = 0; i < 3; i++) root[i] = eval_clip_root(eval_between(w[i], f) + bend * e->phi[i]);
-    }
+/* A light's place in its columns. */
+typedef struct eval_place {
+    const uint32_t *w;
+    int32_t f;              /* q15 */
+    int32_t linear, square; /* what phi and (fine) T are multiplied by: q14, q15 */
+} eval_place;
+
+/* nl: q28 */
+EVAL_INLINE eval_place eval_place_of(const shade_table_eval *e, const eval_surface *n, int32_t nl, int fine)
+{
+    const int32_t u = eval_column(e, n), a = (nl >> 14) - n->z, size = eval_least(a < 0 ? -a : a, e->limit);
+    eval_place p;
+    int32_t shared;
+
+    p.f = u & 32767;
+    p.w = e->columns + (u >> 15) * (fine ? 8 : 4);
+    p.square = size * size >> 13;
+    shared = eval_between(p.w[3], p.f) >> 15;
+    p.linear = shared * (fine ? 2 * size : p.square) >> 15;
+    return p;
+}
+
+/* Root of pi E f_r l.h x light of channel i, q14, at least 0. */
+EVAL_INLINE int32_t eval_root(const shade_table_eval *e, const eval_place *p, int i, int fine)
+{
+    const int32_t plain = eval_between(p->w[i], p->f) + p->linear * e->phi[i];
+
+    return fine ? eval_clip_root(plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square) : eval_lit_root(plain);
 }
 
 #endif

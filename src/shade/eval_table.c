@@ -146,30 +146,31 @@ int shade_table_has_code(const shade_table_eval *eval)
 /* ---- pixels ------------------------------------------------------------------------------------------------------ */
 
 /* Root of the light's radiance / 2, q15: (y (n.l)^(1/4.8) gain)^2.4, or y^2 (n.l)^(1/2) gain. */
-static inline int32_t half_root(const shade_table_eval *e, int32_t y, int32_t cosine)
+EVAL_INLINE int32_t half_root(const shade_table_eval *e, int32_t y, int32_t cosine)
 {
     if (e->power4) return eval_product(eval_least(y * y >> 14, 32767), cosine, e->shift);
     return eval_pow24(eval_product(y, cosine, e->shift));
 }
 
-static inline void add(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, shade_rgb radiance,
-                       int fine)
+EVAL_INLINE void add(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, shade_rgb radiance,
+                     int fine)
 {
     int i;
 
     for (i = 0; i < count; i++) {
         const eval_surface n = eval_surface_of(xy[i], z[i]);
         const int32_t nl = eval_dot(&n, e->to_light_xy, e->to_light_z);
-        int32_t root[3], cosine;
+        eval_place at;
+        int32_t cosine;
 
         if (nl <= 0) continue;
         cosine = eval_root48(nl >> 5);
         if (e->power4) cosine = eval_pow24(cosine);
         cosine = eval_mul_q15(cosine, e->gain);
-        eval_table_roots(e, &n, nl, fine, root);
-        radiance.r[i] += eval_square(half_root(e, root[0], cosine));
-        radiance.g[i] += eval_square(half_root(e, root[1], cosine));
-        radiance.b[i] += eval_square(half_root(e, root[2], cosine));
+        at = eval_place_of(e, &n, nl, fine);
+        radiance.r[i] += eval_square(half_root(e, eval_root(e, &at, 0, fine), cosine));
+        radiance.g[i] += eval_square(half_root(e, eval_root(e, &at, 1, fine), cosine));
+        radiance.b[i] += eval_square(half_root(e, eval_root(e, &at, 2, fine), cosine));
     }
 }
 
@@ -183,31 +184,32 @@ void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int
 }
 
 /* y^2 (n.l)^(1/2.4) e - .055 = z^2 - .055 */
-static inline uint32_t code_of(int32_t z)
+EVAL_INLINE uint32_t code_of(int32_t root, int32_t cosine, int shift)
 {
+    const int32_t z = eval_least(root * cosine >> shift, SHADE_CODE_MOST);
     const int32_t code = (z * z - SHADE_CODE_LOW + (1 << 20)) >> 21;
 
-    return (uint32_t)(code < 0 ? 0 : eval_least(code, 255));
+    return (uint32_t)(code < 0 ? 0 : code);
 }
 
-static inline void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,
-                        int fine)
+EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,
+                      int fine)
 {
     int i;
 
     for (i = 0; i < count; i++) {
-        const eval_surface n = eval_surface_of(xy[i], z[i]);
+        const eval_surface n = eval_unit(xy[i], z[i]);
         const int32_t nl = eval_dot(&n, e->to_light_xy, e->to_light_z);
         uint32_t out = 255u << 24;
 
         if (nl > 0) {
             const int32_t cosine = eval_mul_q15(eval_root48(nl >> 5), e->gain_code);
-            int32_t root[3];
+            const eval_place at = eval_place_of(e, &n, nl, fine);
+            const int shift = e->shift_code;
 
-            eval_table_roots(e, &n, nl, fine, root);
-            out |= code_of(eval_product(root[0], cosine, e->shift_code)) |
-                   code_of(eval_product(root[1], cosine, e->shift_code)) << 8 |
-                   code_of(eval_product(root[2], cosine, e->shift_code)) << 16;
+            out |= code_of(eval_root(e, &at, 0, fine), cosine, shift) |
+                   code_of(eval_root(e, &at, 1, fine), cosine, shift) << 8 |
+                   code_of(eval_root(e, &at, 2, fine), cosine, shift) << 16;
         }
         rgba[i] = out;
     }

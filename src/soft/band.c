@@ -48,7 +48,8 @@ size_t nacre_soft_scratch_size(const nacre_soft_desc *desc)
 
     if (!nacre_soft_size(desc)) return 0;
     pixels = (size_t)desc->width * (desc->band_rows ? desc->band_rows : 8);
-    return pixels * 9 + 4 * 16 + 64; /* 16: alignment; 64: what SIMD kernels may touch beyond the end */
+    return pixels * (desc->max_items > 1 ? 9 : 8) + 4 * 16 +
+           64; /* 16: alignment; 64: what SIMD kernels may touch beyond the end */
 }
 
 static void set_pixels(soft_pixels *out, const nacre_soft *soft, int y0, int y1, void *scratch)
@@ -60,7 +61,7 @@ static void set_pixels(soft_pixels *out, const nacre_soft *soft, int y0, int y1,
     out->xy = (uint32_t *)(void *)take(&at, count * 4);
     out->depth = (uint16_t *)(void *)take(&at, count * 2);
     out->z = (int16_t *)(void *)take(&at, count * 2);
-    out->item = take(&at, count);
+    out->item = soft->desc.max_items > 1 ? take(&at, count) : NULL;
     out->stride = soft->desc.width;
     out->row0 = y0;
     out->x0 = soft->scissor[0];

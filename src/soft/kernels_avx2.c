@@ -77,26 +77,36 @@ static inline lanes look_up(const uint32_t *table, lanes at)
 
 /* ---- normals ------------------------------------------------------------------------------------------------------------- */
 
+/* In place. 0, and nothing done: one is shorter than half; shade_normalise takes another way there. */
+static inline int unit(lanes *xy, lanes *z)
+{
+    const lanes square = _mm256_add_epi32(product(*xy, *xy), _mm256_mullo_epi32(*z, *z)), round = all(1 << 13);
+    const lanes node = _mm256_min_epi32(_mm256_srli_epi32(square, 22), all(64));
+    lanes inverse, x, y;
+
+    if (_mm256_movemask_epi8(_mm256_cmpgt_epi32(all(1 << 26), square))) return 0;
+    inverse = between(look_up(shade_lut_length, node), _mm256_and_si256(_mm256_srli_epi32(square, 7), all(32767)));
+    inverse = _mm256_srli_epi32(inverse, 16);
+    x = _mm256_srai_epi32(_mm256_add_epi32(product(*xy, inverse), round), 14);
+    y = _mm256_srai_epi32(_mm256_add_epi32(product(*xy, _mm256_slli_epi32(inverse, 16)), round), 14);
+    *z = _mm256_srai_epi32(_mm256_add_epi32(product(*z, inverse), round), 14);
+    *xy = _mm256_blend_epi16(x, _mm256_slli_epi32(y, 16), 0xAA);
+    return 1;
+}
+
 static void normalise(uint32_t *xy, int16_t *z, int count)
 {
     int i;
 
     for (i = 0; i + 8 <= count; i += 8) {
-        const lanes n = load(xy + i), nz = load_16(z + i);
-        const lanes square = _mm256_add_epi32(product(n, n), _mm256_mullo_epi32(nz, nz));
-        const lanes s = split(_mm256_max_epi32(_mm256_srli_epi32(square, 4), all(1)));
-        const lanes exponent = _mm256_sub_epi32(_mm256_srli_epi32(s, 23), all(127));
-        const lanes half = _mm256_srli_epi32(exponent, 1), shift = _mm256_add_epi32(half, all(3));
-        const lanes round = _mm256_sllv_epi32(all(4), half);
-        /* the lowest exponent bit of the float is the other way round: its bias is odd */
-        const lanes node = _mm256_and_si256(_mm256_xor_si256(_mm256_srli_epi32(s, 19), all(16)), all(31));
-        const lanes inverse = _mm256_srli_epi32(between(look_up(shade_lut_inverse_root, node), fraction(s, 4)), 16);
-        const lanes x = _mm256_srav_epi32(_mm256_add_epi32(product(n, inverse), round), shift);
-        const lanes y = _mm256_srav_epi32(_mm256_add_epi32(product(n, _mm256_slli_epi32(inverse, 16)), round), shift);
-        const lanes unit_z = _mm256_srav_epi32(_mm256_add_epi32(product(nz, inverse), round), shift);
+        lanes n = load(xy + i), nz = load_16(z + i);
 
-        store(xy + i, _mm256_blend_epi16(x, _mm256_slli_epi32(y, 16), 0xAA));
-        _mm_storeu_si128((__m128i *)(void *)(z + i), narrow(unit_z));
+        if (unit(&n, &nz)) {
+            store(xy + i, n);
+            _mm_storeu_si128((__m128i *)(void *)(z + i), narrow(nz));
+        } else {
+            shade_normalise(xy + i, z + i, 8);
+        }
     }
     shade_normalise(xy + i, z + i, count - i);
 }
@@ -292,29 +302,36 @@ static void table_add(const shade_table_eval *e, const uint32_t *xy, const int16
     shade_table_add(e, xy + i, z + i, count - i, rest);
 }
 
-static inline lanes code_of(lanes z)
+static inline lanes code_of(lanes root, lanes gain, int shift)
 {
+    const lanes z =
+        _mm256_min_epi32(_mm256_srl_epi32(product(root, gain), _mm_cvtsi32_si128(shift)), all(SHADE_CODE_MOST));
     const lanes code = _mm256_srai_epi32(_mm256_sub_epi32(product(z, z), all(SHADE_CODE_LOW - (1 << 20))), 21);
 
-    return _mm256_min_epi32(_mm256_max_epi32(code, all(0)), all(255));
+    return _mm256_max_epi32(code, all(0));
 }
 
 static inline void code(const shade_table_eval *e, const constants *c, const uint32_t *xy, const int16_t *z,
                         uint32_t *rgba, int fine)
 {
-    const lanes n = load(xy), nz = load_16(z), nl = dot(n, nz, c->light_xy, c->light_z);
-    const lanes lit = _mm256_cmpgt_epi32(nl, all(0)), opaque = all((int32_t)(255u << 24));
-    lanes root[3], cosine, out;
+    const lanes opaque = all((int32_t)(255u << 24));
+    lanes n = load(xy), nz = load_16(z), nl, lit, root[3], cosine, out;
 
+    if (!unit(&n, &nz)) {
+        shade_table_code(e, xy, z, 8, rgba);
+        return;
+    }
+    nl = dot(n, nz, c->light_xy, c->light_z);
+    lit = _mm256_cmpgt_epi32(nl, all(0));
     if (!_mm256_movemask_epi8(lit)) {
         store(rgba, opaque);
         return;
     }
     cosine = _mm256_mulhrs_epi16(root48(_mm256_srai_epi32(nl, 5)), c->gain);
     roots(e, c, n, nz, nl, fine, root);
-    out = code_of(scaled(root[0], cosine, e->shift_code));
-    out = _mm256_or_si256(out, _mm256_slli_epi32(code_of(scaled(root[1], cosine, e->shift_code)), 8));
-    out = _mm256_or_si256(out, _mm256_slli_epi32(code_of(scaled(root[2], cosine, e->shift_code)), 16));
+    out = code_of(root[0], cosine, e->shift_code);
+    out = _mm256_or_si256(out, _mm256_slli_epi32(code_of(root[1], cosine, e->shift_code), 8));
+    out = _mm256_or_si256(out, _mm256_slli_epi32(code_of(root[2], cosine, e->shift_code), 16));
     store(rgba, _mm256_or_si256(_mm256_and_si256(out, lit), opaque));
 }
 
@@ -399,6 +416,7 @@ static inline void fill_eight(const lanes value[SOFT_PLANES], const soft_pixels 
     z = _mm_loadu_si128((const __m128i *)(const void *)(to->z + at));
     z = _mm_blendv_epi8(z, narrow(_mm256_srli_epi32(value[3], 16)), narrow_front);
     _mm_storeu_si128((__m128i *)(void *)(to->z + at), z);
+    if (!to->item) return;
     owner = _mm_loadl_epi64((const __m128i *)(const void *)(to->item + at));
     owner = _mm_blendv_epi8(owner, _mm_set1_epi8((char)item), _mm_packs_epi16(narrow_front, narrow_front));
     _mm_storel_epi64((__m128i *)(void *)(to->item + at), owner);

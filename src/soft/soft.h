@@ -52,7 +52,7 @@ typedef struct soft_pixels {
     uint16_t *depth;
     uint32_t *xy; /* of the normal */
     int16_t *z;
-    uint8_t *item;
+    uint8_t *item;          /* NULL: there is only one */
     int32_t stride;         /* pixels a row */
     int32_t row0;           /* of the first pixel */
     int32_t y0, y1, x0, x1; /* rows and columns that are drawn */

@@ -10,9 +10,7 @@ enum { BATCH = 32 }; /* pixels at a time: 500 bytes of stack */
 static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t z, uint32_t scale)
 {
     const int32_t x = (int16_t)(xy & 65535u), y = (int32_t)xy >> 16;
-    const uint32_t square =
-        (uint32_t)(x * x + y * y + z * z) >> 20; /* 256 and a little where the normal is the eye's */
-    const int32_t length = (int32_t)(shade_lut_unit[square < 255 ? square : 255] * scale >> 15);
+    const int32_t length = (int32_t)(shade_lut_unit[(uint32_t)(x * x + y * y + z * z) >> 20] * scale >> 15);
     const int32_t half = lit->size * 32768;
 
     return (uint32_t)((half - y * length) >> 16) * lit->size + (uint32_t)((half + x * length) >> 16);
@@ -50,11 +48,11 @@ static void shade_batch(const nacre_soft *soft, const soft_item *item, uint32_t 
     const shade_rgb radiance = {sum[0], sum[1], sum[2]};
     int i;
 
-    k->normalise(xy, z, count);
     if (item->one_code) {
         k->table_code(item->table, xy, z, count, rgba);
         return;
     }
+    k->normalise(xy, z, count);
     shade_rgb_fill(radiance, count, item->ambient);
     for (i = 0; i < item->lights; i++) {
         if (item->table)
@@ -98,26 +96,40 @@ static void clear_run(const nacre_soft *soft, int32_t x, int32_t y, int32_t coun
         soft_store(&soft->desc, x, y, rgba, count < BATCH ? count : BATCH, to);
 }
 
+/* How many of the pixels at p are covered by what covers the first, or empty as it is. */
+static int32_t run_length(const soft_pixels *from, uint32_t at, int32_t most)
+{
+    const uint32_t *p = from->xy + at;
+    const uint32_t *const end = p + most;
+    const uint8_t *owner = from->item ? from->item + at : 0;
+
+    if (*p == SOFT_EMPTY) {
+        while (++p < end && *p == SOFT_EMPTY) continue;
+    } else if (!owner) {
+        while (++p < end && *p != SOFT_EMPTY) continue;
+    } else {
+        const uint8_t first = *owner;
+
+        while (++p < end && *p != SOFT_EMPTY && *++owner == first) continue;
+    }
+    return (int32_t)(p - (from->xy + at));
+}
+
 void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row, void *to)
 {
     const uint32_t line = (uint32_t)((row - from->row0) * from->stride);
     const unsigned bytes = soft_pixel_bytes(soft->desc.format);
-    int32_t x = from->x0, end;
+    int32_t x = from->x0;
 
     while (x < from->x1) {
         const uint32_t at = line + (uint32_t)x;
+        const int32_t count = run_length(from, at, from->x1 - x);
         uint8_t *const out = (uint8_t *)to + (uint32_t)x * bytes;
 
-        end = x + 1;
-        if (from->xy[at] == SOFT_EMPTY) {
-            while (end < from->x1 && from->xy[line + (uint32_t)end] == SOFT_EMPTY) end++;
-            clear_run(soft, x, row, end - x, out);
-        } else {
-            while (end < from->x1 && from->xy[line + (uint32_t)end] != SOFT_EMPTY &&
-                   from->item[line + (uint32_t)end] == from->item[at])
-                end++;
-            shade_run(soft, &soft->item[from->item[at]], from, at, x, row, end - x, out);
-        }
-        x = end;
+        if (from->xy[at] == SOFT_EMPTY)
+            clear_run(soft, x, row, count, out);
+        else
+            shade_run(soft, &soft->item[from->item ? from->item[at] : 0], from, at, x, row, count, out);
+        x += count;
     }
 }

@@ -12,7 +12,7 @@
 #include "nacre_soft.h"
 #include "scene_example.h"
 
-enum { BAND = 8, PATCH = 8 };
+enum { BAND = 8, PATCH = 2 };
 
 static void write_pixels(const void *data, size_t size);
 static void say(const char *text);
@@ -103,9 +103,9 @@ static int per_pixel(nacre_soft *soft, const char *name, nacre_soft_item item, c
 
         vertex[i].position[0] = (int16_t)(x * 32767 / PATCH);
         vertex[i].position[1] = (int16_t)(y * 32767 / PATCH);
-        vertex[i].normal[0] = (int16_t)(x * 2500);
-        vertex[i].normal[1] = (int16_t)(y * 2500);
-        vertex[i].normal[2] = 26000;
+        vertex[i].normal[0] = (int16_t)(x * 10000);
+        vertex[i].normal[1] = (int16_t)(y * 10000);
+        vertex[i].normal[2] = 20000;
     }
     for (i = 0; i < PATCH * PATCH; i++) {
         const uint16_t at = (uint16_t)(i / PATCH * (PATCH + 1) + i % PATCH), up = (uint16_t)(at + PATCH + 1);

@@ -27,6 +27,11 @@ static double inverse_root_of(double x)
     return fmin(32768 / sqrt(x), 32767); /* x in 1..4 */
 }
 
+static double length_of(double x)
+{
+    return x < 15.5 ? 0 : 16384 * sqrt(64 / x);
+}
+
 /* One word: value at the node, and in the lower half twice the way to the next node. Values are moved by half the
    largest error of a chord towards the curve, so that the error has both signs. */
 static void entry(double (*f)(double), double from, double to)
@@ -59,8 +64,9 @@ static void unit_table(void)
 {
     int i;
 
-    printf("\n/* 2^11 / sqrt of (i + 1/2) / 256, below 1/4 of (i + 1) / 256 */\nconst uint16_t shade_lut_unit[256] = {");
-    for (i = 0; i < 256; i++) printf("%ld, ", lrint(2048 / sqrt((i + (i < 64 ? 1 : 0.5)) / 256)));
+    printf(
+        "\n/* 2^11 / sqrt of (i + 1/2) / 256, below 1/4 of (i + 1) / 256 */\nconst uint16_t shade_lut_unit[257] = {");
+    for (i = 0; i < 257; i++) printf("%ld, ", lrint(2048 / sqrt((i + (i < 64 ? 1 : 0.5)) / 256)));
     printf("};\n");
 }
 
@@ -71,6 +77,13 @@ int main(void)
     table("shade_lut_root48", "4.8th root of 2^-14..1.5", root48_of, 9, 14, 8, 5, ldexp(1, 23));
     table("shade_lut_srgb", "sRGB code x 128 of 2^-13..1", srgb_of, 3, 13, 8, 1, 65536);
     table("shade_lut_inverse_root", "1 / sqrt of 1..4", inverse_root_of, 0, 2, 16, 0, 1);
+    {
+        int i;
+
+        printf("\n/* 2^14 / sqrt(x / 64) */\nconst uint32_t shade_lut_length[65] = {");
+        for (i = 0; i < 65; i++) entry(length_of, i < 16 ? 15 : i, i < 16 ? 15 : i + 1);
+        printf("};\n");
+    }
     unit_table();
     return 0;
 }
