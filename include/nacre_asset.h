@@ -93,7 +93,7 @@
 #define NACRE_FORMAT_ETC2_RGB8 147 /* with key nacre.etc1_only: only ETC1 modes, so GLES 2 takes it too */
 
 /* Keys of every file, next to KTXorientation ("rd") and KTXwriter. The role decides which others there are. Transfer:
-   how a code y in 0..1 maps to its value: "root", "root4", "srgb" or "linear", see the roles. */
+   how a code y in 0..1 maps to its value: "root", "root4", "root4-lh", "srgb" or "linear", see the roles. */
 #define NACRE_KEY_VERSION "nacre.asset_version" /* u32: NACRE_ASSET_VERSION; a file without it is a plain image */
 #define NACRE_KEY_ROLE                                                                                                 \
     "nacre.role"                             /* text: "table", "spheres", "normal", "mask", "albedo",
@@ -118,6 +118,14 @@
 #define NACRE_KEY_COSINE      "nacre.cosine_in" /* u32: 1 = the cosine n.l is in the image (paper mode), 0 = not */
 #define NACRE_KEY_SCALE       "nacre.scale"     /* 3 q16: R G B */
 #define NACRE_KEY_DISC        "nacre.disc_size" /* q16: disc diameter / image width, 0.5..1; 1 = not padded */
+
+/* role "spheres" with nacre.quartered = 1: each image is the quarter x, y >= 0 of a sphere centred on the half vector, one
+   level, 2..16 layers. With d the direction of l - v and h the half vector, x = |n.d| and y = |n.(h x d)|: an isotropic,
+   reciprocal and mirror-symmetric BRDF is the same in all four quarters. Columns run over u = log2(8 x + 1) / log2(9), rows
+   from the top over the same of y; both end-aligned. Transfer "root4-lh": pi f_r l.h = scale code^4. Between layers codes
+   are blended linearly in s = sqrt(1 - l.h), l.h = cos(polar / 2); below the first and beyond the last layer it stands
+   alone. No nacre.disc_size. */
+#define NACRE_KEY_QUARTERS "nacre.quartered" /* u32: 1 = as above; 0 or no such key: whole spheres */
 
 /* role "normal" (any model). RGB8 or RGBA8, one layer, transfer "linear": x y z = 2 code/255 - 1 in tangent space, +y up
    the v axis. */

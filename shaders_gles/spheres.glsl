@@ -7,9 +7,36 @@
 // would fold back to the front; its x is pushed outwards by tan(difference / 4) x its depth, where the padding repeats
 // the rim.
 //
+// Quarters: all images in one texture, one below the other, each the quarter x, y >= 0 about the half vector; see
+// include/nacre_asset.h. Neighbouring images are read at the same place: it depends on x and y alone. A light alone has its
+// own frame, where n.x and n.y are that already.
+//
 // Paper: eq. 1-4 with the cosine in the image, k from eq. 3 as sin(alpha_h), 0.995 of section 4, and the tail.
 
-#if PERSP
+#if QUARTER && PERSP
+uniform sampler2D u_map[1];
+uniform HIGHP vec4 u_light[LIGHTS]; // r = xyz - w P points to the light
+uniform vec4 u_factor[LIGHTS];
+uniform HIGHP vec4 u_eye[1];        // v ~ xyz - w P
+// [0] scale and bias of u and v  [1].x from image to image  [2 + 2 i] s + [3 + 2 i], clamped: parts of the image's number
+uniform vec4 u_model[2 + 2 * LAYERS];
+#elif QUARTER && LIGHTS
+// u_near, u_far: fourth root of the factor, x the weight of either image
+uniform sampler2D u_map[1];
+uniform vec4 u_near[LIGHTS];
+uniform vec4 u_far[LIGHTS];
+#if LIGHTS == 1
+// In the light's own frame, h = +z. u_scale, u_place: of u and v in either image; l.x in w of u_near, l.z of u_far.
+uniform vec4 u_scale[1];
+uniform vec4 u_place[1];
+#else
+// Rows of x, y, l. In w: bias of u and of v in the first image; of light 0's u_light, u_near, u_far: scale of u and of v, and
+// from image to image.
+uniform vec4 u_x[LIGHTS];
+uniform vec4 u_y[LIGHTS];
+uniform vec4 u_light[LIGHTS];
+#endif
+#elif PERSP
 uniform sampler2D u_map[LAYERS];
 uniform HIGHP vec4 u_light[LIGHTS]; // r = xyz - w P points to the light
 uniform vec4 u_factor[LIGHTS];      // rgb; in w of the first disc / 2 (paper: x 0.995)
@@ -51,7 +78,7 @@ vec3 paper_light(vec3 y, vec3 bound, vec3 factor)
     return mix(y * (1.0 / 12.92), power, step(0.04045, y)) * factor;
 #endif
 }
-#elif LIGHTS
+#elif LIGHTS && (PERSP || !QUARTER)
 vec3 sphere_light(vec3 y, float cosine, vec3 factor)
 {
     y *= y;
@@ -67,7 +94,72 @@ vec3 sphere_light(vec3 y, float cosine, vec3 factor)
 }
 #endif
 
-#if PERSP
+#if QUARTER && PERSP
+vec3 light(vec3 n, vec3 v, HIGHP vec4 place, vec3 factor)
+{
+    HIGHP vec3 r = place.xyz - place.w * v_position;
+    HIGHP float inverse = inversesqrt(dot(r, r));
+    vec3 l = r * inverse;
+    float near = min(inverse, 16.0);
+    // 16 (l - v), never shorter than 1/16: when the light is at the eye any direction across v will do
+    vec3 d = (l - v) * 16.0 + vec3(v.z, 0.0, -v.x) * 0.0625;
+    vec3 sum = l + v;
+    float dd = dot(d, d);
+    float id = inversesqrt(dd);
+    float ss = max(dot(sum, sum), 0.0009765625);
+    float is = inversesqrt(ss); // 1 / (2 l.h)
+    d *= id;
+    // sqrt(1 - l.h) = sin / sqrt(1 + l.h): no difference near the eye
+    float s = dd * id * 0.03125 * inversesqrt(1.0 + 0.5 * ss * is);
+    float image = dot(clamp(u_model[2] * s + u_model[3], 0.0, 1.0), vec4(1.0));
+#if LAYERS > 1
+    image += dot(clamp(u_model[4] * s + u_model[5], 0.0, 1.0), vec4(1.0));
+#endif
+#if LAYERS > 2
+    image += dot(clamp(u_model[6] * s + u_model[7], 0.0, 1.0), vec4(1.0));
+    image += dot(clamp(u_model[8] * s + u_model[9], 0.0, 1.0), vec4(1.0));
+#endif
+    float first = floor(image);
+    vec2 xy = vec2(dot(n, d), dot(n, cross(sum, d)) * is);
+    vec2 at = log2(abs(xy) + 0.125) * u_model[0].xy + u_model[0].zw;
+    at.y += first * u_model[1].x;
+    vec3 root = mix(texture2D(u_map[0], at).rgb, texture2D(u_map[0], vec2(at.x, at.y + u_model[1].x)).rgb, image - first);
+    return sphere_light(root, dot(n, l) * is * near * near, factor);
+}
+#define LIGHT(i) light(n, v, u_light[i], u_factor[i].rgb)
+
+#elif QUARTER && LIGHTS
+// y: of either image x its weight and the fourth root of the factor, added up
+vec3 quarter_light(vec3 y, float cosine)
+{
+#if FORM == FORM_ROOT
+    return y * y * sqrt(max(cosine, 1.0e-7));
+#else
+    y *= y;
+    return y * y * max(cosine, 0.0);
+#endif
+}
+
+#if LIGHTS == 1
+vec3 light(vec3 n, vec4 near, vec4 far, vec4 scale, vec4 place)
+{
+    vec4 at = log2(abs(n.xy) + 0.125).xyxy * scale + place;
+    vec3 y = texture2D(u_map[0], at.xy).rgb * near.rgb + texture2D(u_map[0], at.zw).rgb * far.rgb;
+    return quarter_light(y, n.x * near.w + n.z * far.w);
+}
+#define LIGHT(i) light(n, u_near[i], u_far[i], u_scale[i], u_place[i])
+#else
+vec3 light(vec3 n, vec4 x, vec4 y, vec3 to_light, vec3 near, vec3 far)
+{
+    vec2 p = log2(vec2(abs(dot(n, x.xyz)) + 0.125, abs(dot(n, y.xyz)) + 0.125));
+    vec2 at = p * vec2(u_light[0].w, u_near[0].w) + vec2(x.w, y.w);
+    vec3 first = texture2D(u_map[0], at).rgb, second = texture2D(u_map[0], vec2(at.x, at.y + u_far[0].w)).rgb;
+    return quarter_light(first * near + second * far, dot(n, to_light));
+}
+#define LIGHT(i) light(n, u_x[i], u_y[i], u_light[i].xyz, u_near[i].rgb, u_far[i].rgb)
+#endif
+
+#elif PERSP
 // Blend of the layers' texels at x (a value a layer) and y, by the light's polar angle (radians).
 vec3 blend_layers(vec4 x0, vec4 x1, float y, float polar)
 {

@@ -54,7 +54,8 @@ static void key_model(gles_key *key, const shade_material *material)
 {
     const shade_table *t = &material->is.table;
     if (material->model == NACRE_MODEL_SPHERES) {
-        key->model = material->is.spheres.cosine ? GLES_KEY_PAPER : GLES_KEY_SPHERES;
+        const shade_spheres *s = &material->is.spheres;
+        key->model = s->cosine ? GLES_KEY_PAPER : s->size ? GLES_KEY_QUARTER : GLES_KEY_SPHERES;
         return;
     }
     key->model = material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
@@ -79,7 +80,9 @@ void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, u
     key->es3 = gles_uses_es3(gles);
     key->persp = lights && shade_needs_persp(draw->view);
     key->ambient = has_ambient(draw->view);
-    if (key->persp && material->model == NACRE_MODEL_SPHERES)
+    if (key->model == GLES_KEY_QUARTER)
+        key->layers = gles_key_quarter_class(material->is.spheres.layers);
+    else if (key->persp && material->model == NACRE_MODEL_SPHERES)
         key->layers =
             gles_key_layer_class(material->is.spheres.layers, gles->caps.units - key->normal_map - (pass ? 2u : 0u));
     gles_key_canonical(key);
@@ -165,6 +168,10 @@ static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, co
         const unsigned layers = key->model == GLES_KEY_FINE ? 2 : 1;
         for (i = 0; i < layers; i++) name[i] = layer_name(gles, item, NACRE_ROLE_TABLE, i);
         return layers;
+    }
+    if (key->model == GLES_KEY_QUARTER) {
+        name[0] = layer_name(gles, item, NACRE_ROLE_SPHERES, 0);
+        return 1;
     }
     if (key->persp) {
         for (i = 0; i < key->layers; i++) {

@@ -168,6 +168,8 @@ void gles_program_delete(nacre_gles *gles, gles_program *program);
 /* upload.c: the caller saves and puts back bindings (gles_upload_begin) */
 /* Texel bytes of all layers of an image in that role; ERR_UNSUPPORTED. Makes nothing. */
 nacre_result gles_texture_cost(const gles_caps *caps, const nacre_image *image, unsigned role, uint32_t *bytes);
+/* How many textures an image becomes: one a layer, or one in all for quartered spheres. */
+unsigned gles_texture_count(const nacre_image *image, unsigned role);
 /* Make one layer's texture. On failure the name, if any, is left in the record. */
 nacre_result gles_texture_upload(nacre_gles *gles, gles_texture *texture);
 nacre_result gles_mesh_upload(nacre_gles *gles, gles_item *item);

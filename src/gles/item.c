@@ -100,12 +100,13 @@ static void item_free(gles_item *item)
 static gles_texture *reserve(nacre_gles *gles, const nacre_image *image, unsigned role)
 {
     gles_texture *t = gles->textures, *run = NULL;
+    const unsigned count = gles_texture_count(image, role);
     unsigned i, length = 0;
     for (i = 0; i < gles->desc.max_textures; i++)
         if (t[i].image == image && t[i].role == role && !t[i].layer) return &t[i];
-    for (i = 0; i < gles->desc.max_textures && length < image->layers; i++) {
+    for (i = 0; i < gles->desc.max_textures && length < count; i++) {
         length = t[i].image ? 0 : length + 1;
-        if (length == image->layers) run = &t[i + 1 - length];
+        if (length == count) run = &t[i + 1 - length];
     }
     for (i = 0; run && i < length; i++) {
         memset(&run[i], 0, sizeof run[i]);
@@ -127,7 +128,7 @@ static void release_textures(nacre_gles *gles, gles_item *item)
     unsigned role, i;
     for (role = 0; role < NACRE_ROLE_COUNT; role++) {
         gles_texture *t = &gles->textures[item->first_texture[role]];
-        const unsigned layers = role_used(item, role) ? item->image[role]->layers : 0;
+        const unsigned layers = role_used(item, role) ? gles_texture_count(item->image[role], role) : 0;
         uint32_t bytes = 0;
         if (!layers || --t->users) continue;
         gles_texture_cost(&gles->caps, t->image, role, &bytes);
@@ -174,7 +175,7 @@ static nacre_result upload_claimed(nacre_gles *gles, const gles_item *item)
     for (role = 0; role < NACRE_ROLE_COUNT; role++) {
         gles_texture *t = &gles->textures[item->first_texture[role]];
         if (!role_used(item, role) || t->name) continue;
-        for (i = 0; i < item->image[role]->layers; i++) {
+        for (i = 0; i < gles_texture_count(item->image[role], role); i++) {
             const nacre_result result = gles_texture_upload(gles, &t[i]);
             if (result) return result;
         }

@@ -17,6 +17,7 @@ typedef enum gles_key_model {
     GLES_KEY_FINE,
     GLES_KEY_SPHERES,
     GLES_KEY_PAPER,
+    GLES_KEY_QUARTER,
     GLES_KEY_LIT /* draws by lit spheres: no lights of its own */
 } gles_key_model;
 
@@ -39,9 +40,10 @@ typedef struct gles_key {
     uint8_t es3;        /* 1: GLSL ES 3.00 */
     uint8_t ambient;    /* 1: the view's ambient is not 0 (in passes: LAST only) */
     uint8_t pass;       /* gles_key_pass */
-    uint8_t layers;     /* spheres and paper, persp: 4, 6 or 8 units; others 0 */
-    uint8_t sphere;     /* 1: the picture of a lit sphere, not a mesh (dist; no normal map) */
-    uint8_t mask;       /* lit: 1 alpha from the mask, 2 and a second sphere mixed by it; others 0 */
+    uint8_t
+        layers; /* persp: spheres and paper: 4, 6 or 8 units; quarter: images / 4, rounded up to 1, 2 or 4; others 0 */
+    uint8_t sphere; /* 1: the picture of a lit sphere, not a mesh (dist; no normal map) */
+    uint8_t mask;   /* lit: 1 alpha from the mask, 2 and a second sphere mixed by it; others 0 */
 } gles_key;
 
 #define GLES_KEY_NAME_SIZE 64
@@ -54,6 +56,9 @@ void gles_key_name(const gles_key *key, char *out);
    above only normal_map, es3 and mask. */
 void gles_key_canonical(gles_key *key);
 
+/* Class 1, 2 or 4 of a quarter program for so many images, 2..16. */
+uint8_t gles_key_quarter_class(unsigned images);
+
 /* Smallest layer class (4, 6, 8) that holds layers, at most what so many texture units hold (4..8). */
 uint8_t gles_key_layer_class(unsigned layers, unsigned units);
 
@@ -62,7 +67,7 @@ unsigned gles_key_uniform_vectors(const gles_key *key); /* fragment stage */
 unsigned gles_key_units(const gles_key *key);           /* texture units in use */
 
 /* Texture units, in this order: the model's own from 0: table: 0; fine: 0 and 1 (second layer); spheres dist: 2 i and
-   2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i].
+   2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i]; quarter: 0.
    lit: 0, and 1 for a second sphere. Then, where the key has them, the normal map, the mask, and the two bytes of the
    previous sum. -1: none. */
 int gles_key_unit_normal(const gles_key *key);
@@ -74,7 +79,7 @@ shade_form gles_key_form(const gles_key *key);
 
 /* Most lights (1..8, or 0 if not even one) that a program like key can take on a device with so many fragment uniform
    vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4, of a sphere also 8); the key's own lights and pass are ignored.
-   Under persp GLSL ES 1.00 programs stop at 4 lights (tables), 2 (spheres) or 1 (paper): more would be refused by compilers
+   Under persp GLSL ES 1.00 programs stop at 4 lights (tables), 2 (spheres, quarter) or 1 (paper): more would be refused by compilers
    of ES 2.0 GPUs. */
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);
 

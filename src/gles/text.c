@@ -40,7 +40,7 @@ static char *put_digit(char *out, unsigned digit)
 
 void gles_key_name(const gles_key *key, char *out)
 {
-    static const char *const model[] = {"table", "fine", "spheres", "paper", "lit"};
+    static const char *const model[] = {"table", "fine", "spheres", "paper", "quarter", "lit"};
     static const char *const output[] = {"_srgb", "_sqrt", "_lin"};
     static const char *const mask[] = {"", "_mask", "_mix"};
 
@@ -57,7 +57,8 @@ void gles_key_name(const gles_key *key, char *out)
     out = put(out, output[key->output]);
     if (key->normal_map) out = put(out, "_nm");
     if (key->ambient) out = put(out, "_amb");
-    if (key->layers && key->layers != 4) out = put_digit(put(out, "_s"), key->layers);
+    if (key->layers && key->layers != (key->model == GLES_KEY_QUARTER ? 2 : 4))
+        out = put_digit(put(out, "_s"), key->layers);
     if (key->pass) out = put_digit(put(out, "_pass"), key->pass);
     if (is_table(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
         put(out, key->power48 ? "_p48" : "_p4");
@@ -71,6 +72,11 @@ uint8_t gles_key_layer_class(unsigned layers, unsigned units)
 
     while (size < layers && size + 2 <= units && size < SHADE_MAX_UNITS) size += 2;
     return (uint8_t)size;
+}
+
+uint8_t gles_key_quarter_class(unsigned images)
+{
+    return images > 9 ? 4 : images > 5 ? 2 : 1; /* so many ramps of 4 lead from image to image */
 }
 
 shade_form gles_key_form(const gles_key *key)
@@ -91,6 +97,10 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
         if (key->persp) return common + 2 * lights + 3 + key->phid;
         return common + (3 * lights + 1);
     }
+    if (key->model == GLES_KEY_QUARTER) {
+        if (key->persp) return common + 2 * lights + 3 + 2 * key->layers;
+        return common + (lights == 1 ? 4 : 5 * lights);
+    }
     if (key->persp) return common + 2 * lights + 1 + (key->layers > 4 ? 10 : 5);
     return common + 6 * lights;
 }
@@ -100,6 +110,7 @@ static unsigned model_units(const gles_key *key)
     if (is_lit(key)) return key->mask > 1 ? 2 : 1;
     if (!key->lights) return 0;
     if (is_table(key)) return key->model == GLES_KEY_FINE ? 2 : 1;
+    if (key->model == GLES_KEY_QUARTER) return 1;
     return key->persp ? key->layers : 2u * key->lights;
 }
 
@@ -162,7 +173,7 @@ void gles_key_canonical(gles_key *key)
 static unsigned most_lights(const gles_key *key)
 {
     if (key->es3 || !key->persp) return NACRE_MAX_LIGHTS;
-    return is_table(key) ? 4 : key->model == GLES_KEY_SPHERES ? 2 : 1;
+    return is_table(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
 }
 
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units)
@@ -201,6 +212,7 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "FINE", key->model == GLES_KEY_FINE);
     out = define(out, "PHID", key->phid);
     out = define(out, "PAPER", key->model == GLES_KEY_PAPER);
+    out = define(out, "QUARTER", key->model == GLES_KEY_QUARTER);
     out = define(out, "POWER48", key->power48);
     out = define(out, "AMBIENT", key->ambient);
     out = define(out, "LAYERS", key->layers);
@@ -283,6 +295,9 @@ static void add_cameras(key_list *list, gles_key key)
             key.power48 = 0;
         } else if (!key.persp) {
             add_lights(list, key);
+        } else if (key.model == GLES_KEY_QUARTER) {
+            for (key.layers = 1; key.layers <= 4; key.layers = (uint8_t)(2 * key.layers)) add_lights(list, key);
+            key.layers = 0;
         } else {
             for (key.layers = 4; key.layers <= UNITS; key.layers = (uint8_t)(key.layers + 2)) add_lights(list, key);
             key.layers = 0;
@@ -313,8 +328,8 @@ unsigned gles_key_list(gles_key *out, unsigned count)
 {
     static const struct {
         uint8_t model, phid;
-    } kinds[] = {
-        {GLES_KEY_TABLE, 0}, {GLES_KEY_TABLE, 1}, {GLES_KEY_FINE, 1}, {GLES_KEY_SPHERES, 0}, {GLES_KEY_PAPER, 0}};
+    } kinds[] = {{GLES_KEY_TABLE, 0},   {GLES_KEY_TABLE, 1}, {GLES_KEY_FINE, 1},
+                 {GLES_KEY_SPHERES, 0}, {GLES_KEY_PAPER, 0}, {GLES_KEY_QUARTER, 0}};
     static const gles_key zero;
     key_list list = {0, 0, 0};
     gles_key key;

@@ -312,6 +312,77 @@ static void set_spheres_dist(const gles_procs *gl, const gles_uniforms *at, cons
     set(gl, at->light, &light, key->lights);
 }
 
+/* The only light, in its own frame: where u and v are in either image. */
+static void set_quarter_alone(const gles_procs *gl, const gles_uniforms *at, const shade_quarter_setup *s,
+                              const shade_quarter_draw *draw)
+{
+    vectors scale = {{{0}}}, place = scale;
+    unsigned i;
+
+    for (i = 0; i < 4; i++) {
+        scale.v[0][i] = from_q28(draw->scale_q28[i & 1]);
+        place.v[0][i] = from_q28(draw->bias_q28[i & 1]);
+        if (i & 1) place.v[0][i] += from_q28(draw->step_q28) * (gl_float)(s->layer + (i >> 1));
+    }
+    set(gl, at->scale, &scale, 1);
+    set(gl, at->place, &place, 1);
+}
+
+/* root: fourth root of what all factors are scaled by. */
+static void set_quarter_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
+                             const shade_frame *frame, unsigned first, gl_float root)
+{
+    const shade_quarter_draw *const draw = &frame->is.quarter;
+    const int alone = key->lights == 1;
+    vectors x = {{{0}}}, y = x, light = x, near = x, far = x;
+    unsigned i, j;
+
+    for (i = 0; i < key->lights; i++) {
+        const shade_light *const of = light_of(frame, first + i);
+        const shade_quarter_setup *const s = &of->is.quarter;
+        const gl_float weight = from_q28(s->weight_q28);
+
+        for (j = 0; j < 3 && first + i < NACRE_MAX_LIGHTS; j++) {
+            near.v[i][j] = from_real(s->root4[j]) * root * (1.0f - weight);
+            far.v[i][j] = from_real(s->root4[j]) * root * weight;
+        }
+        put_q28(x.v[i], s->x_q28, 3);
+        put_q28(y.v[i], s->y_q28, 3);
+        put_q28(light.v[i], s->to_light_q28, 3);
+        x.v[i][3] = from_q28(draw->bias_q28[0]);
+        y.v[i][3] = from_q28(draw->bias_q28[1]) + from_q28(draw->step_q28) * (gl_float)s->layer;
+    }
+    light.v[0][3] = from_q28(draw->scale_q28[0]);
+    near.v[0][3] = from_q28(alone ? light_of(frame, first)->is.quarter.sin_q28 : draw->scale_q28[1]);
+    far.v[0][3] = from_q28(alone ? light_of(frame, first)->is.quarter.cos_q28 : draw->step_q28);
+    set(gl, at->near, &near, key->lights);
+    set(gl, at->far, &far, key->lights);
+    if (alone) {
+        set_quarter_alone(gl, at, &light_of(frame, first)->is.quarter, draw);
+        return;
+    }
+    set(gl, at->x, &x, key->lights);
+    set(gl, at->y, &y, key->lights);
+    set(gl, at->light, &light, key->lights);
+}
+
+static void set_quarter_persp(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
+                              const shade_frame *frame)
+{
+    const shade_quarter_draw *const draw = &frame->is.quarter;
+    vectors model = {{{0}}};
+    unsigned i;
+
+    put_q28(model.v[0], draw->scale_q28, 2);
+    put_q28(model.v[0] + 2, draw->bias_q28, 2);
+    model.v[1][0] = from_q28(draw->step_q28);
+    for (i = 0; i < 4u * key->layers; i++) {
+        model.v[2 + i / 4 * 2][i % 4] = from_real(draw->ramp[i][0]);
+        model.v[3 + i / 4 * 2][i % 4] = from_real(draw->ramp[i][1]);
+    }
+    set(gl, at->model, &model, 2 + 2u * key->layers);
+}
+
 static void set_paper_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
                            unsigned first, vectors *factor)
 {
@@ -349,6 +420,16 @@ static void set_positions(const gles_procs *gl, const gles_uniforms *at, const g
     set(gl, at->eye, &eye, 1);
 }
 
+/* Where normals are turned to: the only light's own frame, for the models that have one. */
+static const int32_t (*vertex_turn(const gles_key *key, const shade_frame *frame, unsigned first))[3]
+{
+    const shade_light *const light = light_of(frame, first);
+
+    if (key->persp || key->lights != 1) return frame->turn_q28;
+    if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE) return light->is.table.own_turn_q28;
+    return key->model == GLES_KEY_QUARTER ? light->is.quarter.own_turn_q28 : frame->turn_q28;
+}
+
 void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const nacre_view *view,
                        const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light)
 {
@@ -356,11 +437,10 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
     const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
     vectors factor = {{{0}}}, ambient = {{{0}}};
-    const int own = table && !key->persp && key->lights == 1;
+    const int quarter = key->model == GLES_KEY_QUARTER;
     int i;
 
-    set_matrices(gl, at, view, vertices, own ? light_of(frame, first_light)->is.table.own_turn_q28 : frame->turn_q28,
-                 frame->position_shift);
+    set_matrices(gl, at, view, vertices, vertex_turn(key, frame, first_light), frame->position_shift);
     if (key->model == GLES_KEY_LIT) return;
     for (i = 0; i < 3; i++) ambient.v[0][i] = from_real(frame->ambient[i]) * scale;
     set(gl, at->ambient, &ambient, 1);
@@ -371,6 +451,10 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
         set_table_persp(gl, at, key, frame);
     else if (table)
         set_table_dist(gl, at, key, frame, first_light, &factor);
+    else if (quarter && key->persp)
+        set_quarter_persp(gl, at, key, frame);
+    else if (quarter)
+        set_quarter_dist(gl, at, key, frame, first_light, scale < 1.0f ? 0.5f : 1.0f);
     else if (key->persp)
         set_spheres_persp(gl, at, key, frame, &factor);
     else if (key->model == GLES_KEY_PAPER)

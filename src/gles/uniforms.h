@@ -26,6 +26,11 @@
     U(turn0)                                                                                                           \
     U(turn1)                                                                                                           \
     U(turn2)                                                                                                           \
+    U(near)                                                                                                            \
+    U(far)                                                                                                             \
+    U(scale)                                                                                                           \
+    U(place)                                                                                                           \
+    U(x)                                                                                                               \
     U(bound)                                                                                                           \
     U(factor)                                                                                                          \
     U(model)                                                                                                           \

@@ -9,6 +9,7 @@ typedef struct upload_plan {
     gl_enum format, type; /* type 0: compressed, format is the internal format */
     gl_int min_filter, mag_filter, wrap;
     uint8_t first, end; /* levels of the file: first .. end - 1 */
+    unsigned stacked;   /* layers in one texture, one below the other; 1: each has its own */
 } upload_plan;
 
 typedef struct format_row {
@@ -58,23 +59,35 @@ static nacre_result choose_format(const gles_caps *caps, const nacre_image *imag
     return NACRE_ERR_UNSUPPORTED;
 }
 
+static int is_stacked(const nacre_image *image, unsigned role)
+{
+    return role == NACRE_ROLE_SPHERES && shade_is_quartered(image);
+}
+
+unsigned gles_texture_count(const nacre_image *image, unsigned role)
+{
+    return is_stacked(image, role) ? 1 : image->layers;
+}
+
 static nacre_result make_plan(const gles_caps *caps, const nacre_image *image, unsigned role, upload_plan *plan)
 {
-    const int pot = is_power_of_two(image->width) && is_power_of_two(image->height);
+    const unsigned stacked = is_stacked(image, role) ? image->layers : 1, height = image->height * stacked;
+    const int pot = is_power_of_two(image->width) && is_power_of_two(height);
     nacre_result result = choose_format(caps, image, plan);
     unsigned longest, full;
     if (result) return result;
 
     /* A device that can't hold level 0 starts at the first level it can. */
+    plan->stacked = stacked;
     plan->first = 0;
     while (plan->first < image->levels && (level_side(image->width, plan->first) > caps->max_texture ||
-                                           level_side(image->height, plan->first) > caps->max_texture))
+                                           level_side(height, plan->first) > caps->max_texture))
         plan->first++;
     if (plan->first == image->levels) return NACRE_ERR_UNSUPPORTED;
     plan->end = role == NACRE_ROLE_TABLE ? (uint8_t)(plan->first + 1) : image->levels;
 
     /* ES 2.0 knows no last level and no mips of odd sizes: there a chain is complete or not used at all. */
-    longest = image->width > image->height ? image->width : image->height;
+    longest = image->width > height ? image->width : height;
     for (full = 1; longest > 1; longest >>= 1) full++;
     if ((plan->end < full && !caps->level_limit) || (!pot && !caps->npot)) plan->end = (uint8_t)(plan->first + 1);
 
@@ -109,12 +122,13 @@ static void upload_level(const gles_procs *gl, const nacre_image *image, const u
 {
     uint32_t size = 0;
     const uint8_t *texels = nacre_image_texels(image, level, layer, 0, &size);
-    const gl_sizei w = (gl_sizei)level_side(image->width, level), h = (gl_sizei)level_side(image->height, level);
+    const gl_sizei w = (gl_sizei)level_side(image->width, level),
+                   h = (gl_sizei)level_side(image->height, level) * (gl_sizei)plan->stacked;
     const gl_int at = (gl_int)(level - plan->first);
     if (plan->type)
         gl->TexImage2D(GLES_TEXTURE_2D, at, (gl_int)plan->format, w, h, 0, plan->format, plan->type, texels);
     else
-        gl->CompressedTexImage2D(GLES_TEXTURE_2D, at, plan->format, w, h, 0, (gl_sizei)size, texels);
+        gl->CompressedTexImage2D(GLES_TEXTURE_2D, at, plan->format, w, h, 0, (gl_sizei)(size * plan->stacked), texels);
 }
 
 nacre_result gles_texture_upload(nacre_gles *gles, gles_texture *texture)

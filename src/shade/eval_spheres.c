@@ -21,7 +21,7 @@ int shade_spheres_eval_prepare(shade_spheres_eval *out, const shade_light *light
     int64_t log2_of[3], most = FX_LOG2_ZERO;
     int i;
 
-    if (material->is.spheres.cosine) return 0;
+    if (material->is.spheres.cosine || material->is.spheres.size) return 0;
     memset(&eval, 0, sizeof eval);
     for (i = 0; i < 2; i++) {
         eval.image[i] = layers[setup->layer[i]];

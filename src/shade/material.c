@@ -39,6 +39,24 @@ static nacre_result read_table(shade_material *out, const nacre_image *image)
     return is_near(t->p, 4 * NACRE_Q16_ONE) || is_near(t->p, 314573) ? NACRE_OK : NACRE_ERR_ASSET; /* 4 or 4.8 */
 }
 
+int shade_is_quartered(const nacre_image *image)
+{
+    uint32_t yes;
+    return asset_key_u32(image, NACRE_KEY_QUARTERS, &yes, 1) && yes;
+}
+
+/* What differs from whole spheres. */
+static nacre_result read_quarters(shade_spheres *s, const nacre_image *image)
+{
+    uint32_t yes;
+    if (!asset_key_u32(image, NACRE_KEY_QUARTERS, &yes, 1) || yes != 1 || s->cosine || s->layers < 2 ||
+        s->layers > SHADE_MAX_QUARTERS || image->width != image->height || image->width < 2 || image->levels != 1)
+        return NACRE_ERR_ASSET;
+    if (image->format == NACRE_FORMAT_ETC2_RGB8 && image->width % 4) return NACRE_ERR_ASSET; /* a block in two images */
+    s->size = image->width;
+    return says(image, NACRE_KEY_TRANSFER, "root4-lh") ? NACRE_OK : NACRE_ERR_ASSET;
+}
+
 static nacre_result read_spheres(shade_material *out, const nacre_image *image)
 {
     shade_spheres *s = &out->is.spheres;
@@ -60,6 +78,7 @@ static nacre_result read_spheres(shade_material *out, const nacre_image *image)
         if (s->scale[i] <= 0) return NACRE_ERR_ASSET;
     s->layers = (uint8_t)image->layers;
     s->cosine = (uint8_t)cosine;
+    if (shade_is_quartered(image)) return read_quarters(s, image);
     if (cosine > 1 || s->disc < NACRE_Q16_ONE / 2 || s->disc > NACRE_Q16_ONE) return NACRE_ERR_ASSET;
     return says(image, NACRE_KEY_TRANSFER, cosine ? "srgb" : "root4") ? NACRE_OK : NACRE_ERR_ASSET;
 }

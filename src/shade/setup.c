@@ -146,6 +146,17 @@ static placed_light place(const nacre_light *light, const int64_t centre[3])
     return out;
 }
 
+static int is_quarter(const shade_material *material)
+{
+    return material->model == NACRE_MODEL_SPHERES && material->is.spheres.size;
+}
+
+/* Whose values hold f_r l.h. */
+static int over_l_dot_h(const shade_material *material)
+{
+    return material->model == NACRE_MODEL_TABLE || is_quarter(material);
+}
+
 static int lifted(const shade_material *material, shade_form form)
 {
     return material->model == NACRE_MODEL_TABLE && form == SHADE_SRGB;
@@ -213,6 +224,8 @@ static void set_factors(shade_light *out, const nacre_view *view, const nacre_li
         if (!lit[i]) continue;
         out->linear[i] = shaped(sum[i], SHADE_LINEAR, material);
         out->factor[i] = shaped(sum[i] - lift * 65536, form, material);
+        if (is_quarter(material) && !persp)
+            out->is.quarter.root4[i] = fx_real_exp2(fx_shift(sum[i] < 2 * LIMIT_ROOT ? sum[i] : 2 * LIMIT_ROOT, 2));
     }
 }
 
@@ -249,7 +262,7 @@ static void incoming(shade_incoming *out, const int32_t direction[3], int32_t tu
 }
 
 /* turn x first, in place. */
-static void turn_after(int32_t turn[3][3], int32_t first[3][3])
+static void turn_after(int32_t (*turn)[3], int32_t (*first)[3])
 {
     int i, j, k;
 
@@ -280,7 +293,7 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
     for (i = 0; i < 3; i++) out->factor[i] = out->linear[i] = fx_real_make(0, 0);
     out->lift = 0;
     if (given && frame->persp && light->type == NACRE_LIGHT_POINT)
-        keep_distance(&place_of, view, light, material->model == NACRE_MODEL_TABLE ? 65536 : 0, material);
+        keep_distance(&place_of, view, light, over_l_dot_h(material) ? 65536 : 0, material);
     set_position(out, light, &place_of, frame->position_shift);
     if (frame->persp && lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
         for (i = 0; i < 4; i++) out->position[i].e -= SHADE_LIFT_PERSP / 2;
@@ -288,11 +301,14 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
     if (material->model == NACRE_MODEL_TABLE) {
         shade_table_light(&out->is.table, &in, &material->is.table);
         turn_after(out->is.table.own_turn_q28, frame->turn_q28);
-        /* 1 / l.h; per pixel the shader multiplies by 1 / (2 l.h) */
-        more = frame->persp ? 65536 : 28 * 65536 - fx_log2_u64((uint64_t)in.l_dot_h_q28);
+    } else if (is_quarter(material)) {
+        shade_quarter_light(&out->is.quarter, &in, &material->is.spheres);
+        turn_after(out->is.quarter.own_turn_q28, frame->turn_q28);
     } else {
         shade_spheres_light(&out->is.spheres, &in, &material->is.spheres);
     }
+    /* 1 / l.h; per pixel the shader multiplies by 1 / (2 l.h) */
+    if (over_l_dot_h(material)) more = frame->persp ? 65536 : 28 * 65536 - fx_log2_u64((uint64_t)in.l_dot_h_q28);
     if (given && place_of.valid && (frame->persp || !in.lost))
         set_factors(out, view, light, &place_of, more, frame->persp, material, form);
 }
@@ -362,6 +378,8 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     set_ambient(out, view, material);
     if (material->model == NACRE_MODEL_TABLE)
         shade_table_prepare(&out->is.table, &material->is.table, material->fine);
+    else if (is_quarter(material))
+        shade_quarter_prepare(&out->is.quarter, &material->is.spheres);
     else
         shade_spheres_prepare(&out->is.spheres, &material->is.spheres, units);
     for (i = 0; i < NACRE_MAX_LIGHTS; i++) set_light(out, i, view, centre_view, material, form);

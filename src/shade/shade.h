@@ -32,7 +32,13 @@ typedef struct shade_spheres {
     uint8_t cosine;                       /* 1: paper mode */
     nacre_q16 scale[3];
     nacre_q16 disc; /* 0.5..1 */
+    uint16_t size;  /* quarters: texels a side, 2 or more; 0: whole spheres */
 } shade_spheres;
+
+#define SHADE_MAX_QUARTERS 16 /* images */
+
+/* 1: quartered spheres: in GL all layers are one texture, one below the other, as they lie in the file. */
+int shade_is_quartered(const nacre_image *image);
 
 typedef struct shade_material {
     nacre_model model;
@@ -88,6 +94,18 @@ typedef struct shade_spheres_setup {
                                 sin(alpha_h) of eq. 3 */
 } shade_spheres_setup;
 
+/* One light on quartered spheres, dist. The light's own frame: x along l - v, z is h; l = (sin, 0, cos) of half the angle
+   between l and v. */
+typedef struct shade_quarter_setup {
+    int32_t x_q28[3], y_q28[3]; /* rows of its own frame, turned */
+    int32_t to_light_q28[3];    /* l, turned */
+    int32_t own_turn_q28[3][3]; /* rows of the rotation from view space to its own frame */
+    int32_t sin_q28, cos_q28;
+    uint8_t layer;      /* image before the light's angle; never the last */
+    int32_t weight_q28; /* of the next one */
+    fx_real root4[3];   /* fourth root of the linear factor, R G B */
+} shade_quarter_setup;
+
 typedef struct shade_light {
     fx_real factor[3];   /* R G B, see shade_form; 0 when the light adds nothing */
     fx_real linear[3];   /* the same in SHADE_LINEAR */
@@ -97,6 +115,7 @@ typedef struct shade_light {
     union {
         shade_table_setup table;
         shade_spheres_setup spheres;
+        shade_quarter_setup quarter;
     } is;
 } shade_light;
 
@@ -120,6 +139,15 @@ typedef struct shade_spheres_draw {
     int32_t half_disc_q28;            /* disc / 2; paper: x 0.995 */
 } shade_spheres_draw;
 
+/* Constant over a draw: quartered spheres, all images in one texture, one below the other. With p = log2(|x| + 1/8):
+   u' = scale[0] p + bias[0], v' = scale[1] p + bias[1] + image x step. */
+typedef struct shade_quarter_draw {
+    int32_t scale_q28[2], bias_q28[2], step_q28;
+    fx_real ramp[SHADE_MAX_QUARTERS]
+                [2]; /* persp: the image's number is the sum of [0] s + [1], each clamped to 0..1, s =
+                                            sqrt(1 - l.h) */
+} shade_quarter_draw;
+
 /* One draw. About 3 KB. Lights beyond light_count have factor 0 and are otherwise like directional ones from the eye. */
 typedef struct shade_frame {
     shade_light light[NACRE_MAX_LIGHTS];
@@ -132,6 +160,7 @@ typedef struct shade_frame {
     union {
         shade_table_draw table;
         shade_spheres_draw spheres;
+        shade_quarter_draw quarter;
     } is;
 } shade_frame;
 
@@ -177,6 +206,11 @@ typedef struct shade_incoming {
     int lost;                /* 1: l.v < -.999, the half vector is undefined */
 } shade_incoming;
 
+/* The light's own frame: x in the plane of l and v, z is h; sin and cos of half the angle between them. */
+void shade_own_frame(int32_t turn_q28[][3], int32_t *sin_q28, int32_t *cos_q28, const shade_incoming *in);
+/* 1 - l.h, q28, exact near the eye; 1 when h is undefined. */
+int32_t shade_away(const shade_incoming *in);
+
 void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table);
 void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fine);
 /* log2 (q16) of what table values have to be multiplied by: Ymax^p / (pi E), for light 1 and l.h 1. */
@@ -184,6 +218,8 @@ int32_t shade_table_log2(const shade_table *table);
 
 void shade_spheres_light(shade_spheres_setup *out, const shade_incoming *in, const shade_spheres *spheres);
 void shade_spheres_prepare(shade_spheres_draw *out, const shade_spheres *spheres, int units);
+void shade_quarter_light(shade_quarter_setup *out, const shade_incoming *in, const shade_spheres *spheres);
+void shade_quarter_prepare(shade_quarter_draw *out, const shade_spheres *spheres);
 int32_t shade_spheres_log2(const shade_spheres *spheres, int channel);
 
 #endif

@@ -21,40 +21,10 @@ static int64_t end_aligned(int64_t v_q28, unsigned texels)
     return fx_div(v_q28 * ((int64_t)texels - 1) + FX_Q28_ONE / 2, texels);
 }
 
-static int32_t mul_q28(int64_t a, int64_t b)
-{
-    return (int32_t)fx_shift(a * b, 28);
-}
-
-/* x is in the plane of l and v, z is h. */
-static void own_frame(shade_table_setup *out, const shade_incoming *in)
-{
-    const int64_t across[3] = {in->to_light_q28[0], in->to_light_q28[1], 0};
-    const int64_t length = fx_isqrt((uint64_t)(across[0] * across[0] + across[1] * across[1]));
-    int32_t azimuth[3] = {FX_Q28_ONE, 0, 0};
-
-    out->sin_q28 = in->lost ? 0 : (int32_t)fx_div(length * (FX_Q28_ONE / 2), in->l_dot_h_q28);
-    out->cos_q28 = in->lost ? FX_Q28_ONE : in->l_dot_h_q28;
-    fx_normalize_q28(across, azimuth);
-    out->own_turn_q28[0][0] = mul_q28(azimuth[0], out->cos_q28);
-    out->own_turn_q28[0][1] = mul_q28(azimuth[1], out->cos_q28);
-    out->own_turn_q28[0][2] = -out->sin_q28;
-    out->own_turn_q28[1][0] = -azimuth[1];
-    out->own_turn_q28[1][1] = azimuth[0];
-    out->own_turn_q28[1][2] = 0;
-    out->own_turn_q28[2][0] = mul_q28(azimuth[0], out->sin_q28);
-    out->own_turn_q28[2][1] = mul_q28(azimuth[1], out->sin_q28);
-    out->own_turn_q28[2][2] = out->cos_q28;
-}
-
 void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table)
 {
     const int32_t *l = in->to_light_q28;
-    const int64_t twice_lh = 2 * (int64_t)in->l_dot_h_q28;
-    /* 1 - l.h = (1 - l.v) / (2 (1 + l.h)): no cancellation near the eye */
-    const int64_t away =
-        in->lost ? FX_Q28_ONE
-                 : fx_div((FX_Q28_ONE - (int64_t)l[2]) * FX_Q28_ONE, 2 * ((int64_t)FX_Q28_ONE + in->l_dot_h_q28));
+    const int64_t twice_lh = 2 * (int64_t)in->l_dot_h_q28, away = shade_away(in);
     const int64_t s = fx_isqrt((uint64_t)away << 28);
     int i;
 
@@ -64,7 +34,7 @@ void shade_table_light(shade_table_setup *out, const shade_incoming *in, const s
         out->to_light_q28[i] = l[i];
         out->half_q28[i] = in->lost ? v : (int32_t)fx_div(((int64_t)l[i] + v) * FX_Q28_ONE, twice_lh);
     }
-    own_frame(out, in);
+    shade_own_frame(out->own_turn_q28, &out->sin_q28, &out->cos_q28, in);
     out->row_q28 = (int32_t)end_aligned(fx_shift(ROW_LINEAR * s + ROW_SQUARE * away, 28), table->height);
 }
 

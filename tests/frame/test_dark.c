@@ -29,6 +29,7 @@ static const struct {
                  {CASE_FINE, "sgd:two-layer-gold"},
                  {CASE_TABLE_P4, "sgd:two-layer-gold"},
                  {CASE_SPHERES, "sgd:two-layer-gold"},
+                 {CASE_QUARTER, "sgd:two-layer-gold"},
                  /* strong phi_d terms, which run free there */
                  {CASE_TABLE, "ngan-lafortune:natural-209"},
                  {CASE_TABLE, "ngan-lafortune:aventurnine"},

@@ -182,6 +182,87 @@ const frame_case frame_cases[] = {
      .tint = .6,
      .fp32 = &rim,
      .fp16 = &half_rim},
+    {.name = "quarter 1 light", .model = CASE_QUARTER, .brdf = GOLD, .lights = 1, .fp32 = &sum, .fp16 = &half},
+    {.name = "quarter 1 light sqrt",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .lights = 1,
+     .output = SQRT,
+     .fp32 = &root,
+     .fp16 = &half},
+    {.name = "quarter 1 light linear",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .lights = 1,
+     .output = LINEAR,
+     .fp32 = &light,
+     .fp16 = &half},
+    {.name = "quarter narrow lobe",
+     .model = CASE_QUARTER,
+     .brdf = VIOLET,
+     .lights = 1,
+     .exposure = 2,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter stored angle",
+     .model = CASE_QUARTER_ETC1,
+     .brdf = YELLOW,
+     .lights = 1,
+     .polar_deg = 90,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter past the last angle",
+     .model = CASE_QUARTER,
+     .brdf = YELLOW,
+     .lights = 1,
+     .polar_deg = 172,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter at the eye",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .lights = 1,
+     .polar_deg = 1e-9,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter etc1 2 lights",
+     .model = CASE_QUARTER_ETC1,
+     .brdf = YELLOW,
+     .lights = 2,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter 4 lights", .model = CASE_QUARTER, .brdf = YELLOW, .lights = 4, .fp32 = &sum, .fp16 = &half},
+    {.name = "quarter 8 lights", .model = CASE_QUARTER, .brdf = GOLD, .lights = 8, .fp32 = &sum, .fp16 = &half},
+    {.name = "quarter perspective 1 light",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter etc1 perspective 2 lights, 1 point",
+     .model = CASE_QUARTER_ETC1,
+     .brdf = YELLOW,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 2,
+     .points = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter distant viewer",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .camera = CASE_DISTANT,
+     .lights = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "quarter ambient, tint",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .lights = 1,
+     .ambient = .5,
+     .tint = .6,
+     .fp32 = &sum,
+     .fp16 = &half},
     {.name = "paper 1 light", .model = CASE_PAPER, .brdf = YELLOW, .lights = 1, .fp32 = &toe, .fp16 = &half},
     {.name = "paper stored angle",
      .model = CASE_PAPER,
@@ -262,6 +343,14 @@ const frame_case frame_cases[] = {
      .brdf = YELLOW,
      .mesh = "torus",
      .lights = 2,
+     .normal_map = 1,
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
+    {.name = "torus quarter normal map",
+     .model = CASE_QUARTER,
+     .brdf = GOLD,
+     .mesh = "torus",
+     .lights = 1,
      .normal_map = 1,
      .fp32 = &mesh_sum,
      .fp16 = &mesh_half},
@@ -434,18 +523,26 @@ static void need(int code, const failure *f)
     exit(1);
 }
 
+static int is_spheres(case_model model)
+{
+    return model == CASE_SPHERES || model == CASE_PAPER || model == CASE_QUARTER || model == CASE_QUARTER_ETC1;
+}
+
 static void bake(bytes *file, case_model model, const char *brdf_name)
 {
     const table_options table[CASE_MODEL_COUNT] = {
         [CASE_TABLE_P4] = {.power = 4}, [CASE_TABLE_RGB] = {.tier = TABLE_RGB}, [CASE_FINE] = {.tier = TABLE_FINE}};
-    const sphere_options spheres = {.mode = model == CASE_PAPER ? SPHERE_PAPER : SPHERE_COSINE_FREE};
+    const sphere_options spheres[CASE_MODEL_COUNT] = {
+        [CASE_SPHERES] = {.mode = SPHERE_COSINE_FREE},
+        [CASE_PAPER] = {.mode = SPHERE_PAPER},
+        [CASE_QUARTER_ETC1] = {.images = 11, .size = 16, .format = NACRE_FORMAT_ETC2_RGB8}};
     failure f = {0};
     brdf *b;
 
     need(brdf_open(&b, brdf_name, &f), &f);
-    if (model == CASE_SPHERES || model == CASE_PAPER) {
+    if (is_spheres(model)) {
         sphere_asset s;
-        need(sphere_bake(&s, b, &spheres, &f), &f);
+        need(sphere_bake(&s, b, &spheres[model], &f), &f);
         sphere_write(&s, file);
         sphere_free(&s);
     } else {
@@ -466,7 +563,7 @@ static void decode(case_asset *a, case_model model, const char *name)
         fprintf(stderr, "%s: nacre_image_open refuses its own bake\n", name);
         exit(1);
     }
-    if (model == CASE_SPHERES || model == CASE_PAPER) {
+    if (is_spheres(model)) {
         sphere_asset s;
         need(sphere_read(&s, &a->image, name, &f), &f);
         a->decoded = sphere_brdf(&s, &(sphere_decode_options){0});

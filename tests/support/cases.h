@@ -13,6 +13,8 @@ typedef enum case_model {
     CASE_FINE,
     CASE_SPHERES, /* cosine-free, 0,45,90,135 at 256 */
     CASE_PAPER,   /* 0,45,90,135 at 512 */
+    CASE_QUARTER, /* default: 6 quarters of 32 */
+    CASE_QUARTER_ETC1,
     CASE_MODEL_COUNT
 } case_model;
 

@@ -24,11 +24,11 @@
 static const char list[] = "a.binary,table,--size 4x4\n"
                            "b.binary,table,--size 4x4\n"
                            "sgd:brass,table,--size 4x4\n"
-                           "sgd:brass,spheres,--size 8 --polar 0\n"
+                           "sgd:brass,spheres,--size 8 --images 2\n"
                            "\"ggx:rough=.5,albedo=.2\",table,--size 4x4\n"
                            "lambert:albedo=.5,table,--tier fine --size 4x4,sub/lambert.ktx2\n"
-                           "a.binary,spheres,--size 8 --polar 0\n"
-                           "blinn-phong:,spheres,--size 8 --polar 0\n";
+                           "a.binary,spheres,--size 8 --images 2\n"
+                           "blinn-phong:,spheres,--size 8 --images 2\n";
 enum { ITEMS = 8 };
 
 static int write_table(const char *name, const char *model)
@@ -132,8 +132,8 @@ static void assets_are_those_of_bake(void **state)
 {
     (void)state;
     ok("nacre bake table a.binary --size 4x4 -o bake.ktx2 --quiet && cmp bake.ktx2 reference/a-table-4x4.ktx2");
-    ok("nacre bake spheres sgd:brass --size 8 --polar 0 -o bake.ktx2 --quiet && "
-       "cmp bake.ktx2 reference/sgd-brass-spheres-8-0.ktx2");
+    ok("nacre bake spheres sgd:brass --size 8 --images 2 -o bake.ktx2 --quiet && "
+       "cmp bake.ktx2 reference/sgd-brass-spheres-8-2.ktx2");
 }
 
 static void content_decides_what_is_up_to_date(void **state)
@@ -153,8 +153,8 @@ static void content_decides_what_is_up_to_date(void **state)
     /* Outputs that are gone, changed or cut; records that are gone, cut, or another's. */
     ok("rm up/a-table-4x4.ktx2 && printf x >>up/b-table-4x4.ktx2 && : >up/sub/lambert.ktx2 && rm "
        "up/sgd-brass-table-4x4.ktx2.json");
-    ok("head -c 100 up/blinn-phong--spheres-8-0.ktx2.json >part && mv part up/blinn-phong--spheres-8-0.ktx2.json");
-    ok("cp up/a-spheres-8-0.ktx2.json up/sgd-brass-spheres-8-0.ktx2.json");
+    ok("head -c 100 up/blinn-phong--spheres-8-2.ktx2.json >part && mv part up/blinn-phong--spheres-8-2.ktx2.json");
+    ok("cp up/a-spheres-8-2.ktx2.json up/sgd-brass-spheres-8-2.ktx2.json");
     ends_with_line("up", "6 baked, 2 up to date, 0 failed");
     ok("diff -r reference up");
     /* Other options under the old name; another backend's figures (double by its own name is the same). */

@@ -286,7 +286,9 @@ static void bytes_and_fetches(void **state)
         {"nacre bake table lambert:albedo=.5 -o kind.ktx2", 24 * 21 * 4, 1},
         {"nacre bake table lambert:albedo=.5 --tier fine -o kind.ktx2", 32 * 21 * 4 * 2, 2},
         /* levels of 64, 32, .. 1 texels a side */
-        {"nacre bake spheres lambert:albedo=.5 --size 64 --polar 0,60,120 -o kind.ktx2", 3 * 4 * (4096 * 4 - 1) / 3, 2},
+        {"nacre bake spheres lambert:albedo=.5 --mode cosine-free --size 64 --polar 0,60,120 -o kind.ktx2",
+         3 * 4 * (4096 * 4 - 1) / 3, 2},
+        {"nacre bake spheres lambert:albedo=.5 -o kind.ktx2", 6 * 32 * 32 * 3, 2},
     };
     for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
         char text[40];

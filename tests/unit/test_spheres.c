@@ -71,7 +71,7 @@ static void cross(const double a[3], const double b[3], double out[3])
 static void lambert_without_cosine(void **state)
 {
     (void)state;
-    sphere_asset s = bake("lambert:albedo=.5", NULL);
+    sphere_asset s = bake("lambert:albedo=.5", &(sphere_options){.mode = SPHERE_COSINE_FREE});
     assert_int_equal(s.size, 256);
     assert_int_equal(s.layers, 4);
     assert_int_equal(s.levels, 9);
@@ -208,11 +208,12 @@ static void reference_eval_cosine(const sphere_asset *s, const double light[3], 
 static void agrees_with_second_decoder(void **state)
 {
     (void)state;
-    const sphere_options cases[] = {{.size = 64},
-                                    {.size = 64, .mode = SPHERE_PAPER},
-                                    {.size = 40, .polar = {30, 75, 110}, .polar_count = 3, .no_pad = 1},
-                                    {.size = 40, .polar = {30, 75, 110}, .polar_count = 3, .mode = SPHERE_PAPER},
-                                    {.size = 32, .polar = {60}, .polar_count = 1}};
+    const sphere_options cases[] = {
+        {.size = 64, .mode = SPHERE_COSINE_FREE},
+        {.size = 64, .mode = SPHERE_PAPER},
+        {.size = 40, .mode = SPHERE_COSINE_FREE, .polar = {30, 75, 110}, .polar_count = 3, .no_pad = 1},
+        {.size = 40, .polar = {30, 75, 110}, .polar_count = 3, .mode = SPHERE_PAPER},
+        {.size = 32, .mode = SPHERE_COSINE_FREE, .polar = {60}, .polar_count = 1}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sphere_asset s = bake("ggx:rough=.4,f0=.5", &cases[k]);
         brdf *d = sphere_brdf(&s, NULL);
@@ -306,7 +307,7 @@ static void stored_angles(void **state)
                                         "ngan-cook-torrance:hematite"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         brdf *b = open_name(names[i]);
-        sphere_asset s = bake(names[i], NULL);
+        sphere_asset s = bake(names[i], &(sphere_options){.mode = SPHERE_COSINE_FREE});
         double db = stored_psnr(b, &s);
         print_message("%-32s %.2f dB at the stored angles\n", names[i], db);
         assert_true(db >= 51);
@@ -319,7 +320,7 @@ static void stored_angles(void **state)
 static void rotation_sign(void **state)
 {
     (void)state;
-    sphere_options o = {.size = 128};
+    sphere_options o = {.size = 128, .mode = SPHERE_COSINE_FREE};
     brdf *b = open_name("ggx:rough=.3,f0=.5");
     sphere_asset s = bake("ggx:rough=.3,f0=.5", &o);
     sphere_decode_options other = {.k = -0.5}, naive = {.k = 1};
@@ -393,7 +394,7 @@ static void other_formats(void **state)
     const size_t level0[2] = {128 * 128 * 2, 128 * 128 / 2}, level6[2] = {2 * 2 * 2, 8};
     brdf *b = open_name("ggx:rough=.4,f0=.3");
     for (int i = 0; i < 2; i++) {
-        sphere_options o = {.size = 128, .format = formats[i]};
+        sphere_options o = {.size = 128, .mode = SPHERE_COSINE_FREE, .format = formats[i]};
         sphere_asset s = bake("ggx:rough=.4,f0=.3", &o);
         assert_int_equal(s.levels, 8);
         assert_int_equal(s.level[0].size, 4 * level0[i]);
@@ -417,11 +418,16 @@ static void round_trip(void **state)
 {
     (void)state;
     const sphere_options cases[] = {
-        {.size = 32},
+        {.size = 32, .mode = SPHERE_COSINE_FREE},
         {.size = 32, .mode = SPHERE_PAPER, .polar = {0, 30, 60, 90, 120, 150}, .polar_count = 6},
-        {.size = 24, .format = NACRE_FORMAT_RGB565},
-        {.size = 64, .format = NACRE_FORMAT_ETC2_RGB8, .no_pad = 1},
-        {.size = 16, .no_mips = 1, .polar = {10.3}, .polar_count = 1}};
+        {.size = 24, .mode = SPHERE_COSINE_FREE, .format = NACRE_FORMAT_RGB565},
+        {.size = 64, .mode = SPHERE_COSINE_FREE, .format = NACRE_FORMAT_ETC2_RGB8, .no_pad = 1},
+        {.size = 16, .mode = SPHERE_COSINE_FREE, .no_mips = 1, .polar = {10.3}, .polar_count = 1},
+        {.size = 16},
+        {.size = 12, .format = NACRE_FORMAT_ETC2_RGB8, .images = 3},
+        {.size = 8, .format = NACRE_FORMAT_ETC2_RGB8, .etc2 = 1, .images = 2},
+        {.size = 9, .format = NACRE_FORMAT_RGBA8, .polar = {10, 99.5}, .polar_count = 2},
+        {.size = 11, .format = NACRE_FORMAT_RGB565, .images = 16}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
         sphere_asset s = bake("ggx:rough=.4,f0=.3", &cases[k]), back;
         bytes file = {0}, again = {0};
@@ -446,9 +452,12 @@ static void round_trip(void **state)
             assert_int_equal(back.level[i].size, s.level[i].size);
             assert_memory_equal(back.level[i].data, s.level[i].data, s.level[i].size);
         }
-        assert_int_equal(asset_key_is(&image, NACRE_KEY_TRANSFER, s.mode == SPHERE_PAPER ? "srgb" : "root4"), 1);
+        const char *transfer = s.mode == SPHERE_PAPER ? "srgb" : s.mode == SPHERE_QUARTER ? "root4-lh" : "root4";
+        assert_int_equal(asset_key_is(&image, NACRE_KEY_TRANSFER, transfer), 1);
         uint32_t etc1 = 0;
-        assert_int_equal(asset_key_u32(&image, NACRE_KEY_ETC1, &etc1, 1), s.format == NACRE_FORMAT_ETC2_RGB8);
+        assert_int_equal(asset_key_u32(&image, NACRE_KEY_ETC1, &etc1, 1),
+                         s.format == NACRE_FORMAT_ETC2_RGB8 && !cases[k].etc2);
+        assert_int_equal(back.etc2, cases[k].etc2);
         sphere_write(&back, &again);
         assert_int_equal(again.size, file.size);
         assert_memory_equal(again.data, file.data, file.size);
@@ -462,7 +471,7 @@ static void round_trip(void **state)
 static void deterministic(void **state)
 {
     (void)state;
-    sphere_options o = {.size = 64};
+    sphere_options o = {.size = 64, .mode = SPHERE_COSINE_FREE};
     bytes file[2] = {{0}};
     int threads = omp_get_max_threads();
     for (int i = 0; i < 2; i++) {
@@ -498,12 +507,19 @@ static void options_are_checked(void **state)
 {
     (void)state;
     refused(&(sphere_options){0}, 1, FAIL_UNSUPPORTED, "anisotropic");
-    refused(&(sphere_options){.size = 7}, 0, FAIL_USAGE, "--size: found 7, expected 8..2048");
-    refused(&(sphere_options){.size = 2049}, 0, FAIL_USAGE, "--size: found 2049");
+    refused(&(sphere_options){.size = 7}, 0, FAIL_USAGE, "--size: found 7, expected 8..128");
+    refused(&(sphere_options){.size = 2049}, 0, FAIL_USAGE, "--size: found 2049, expected 8..128");
+    refused(&(sphere_options){.size = 2049, .mode = SPHERE_PAPER}, 0, FAIL_USAGE,
+            "--size: found 2049, expected 8..2048");
+    refused(&(sphere_options){.size = 30, .format = NACRE_FORMAT_ETC2_RGB8}, 0, FAIL_USAGE, "multiple of 4");
+    refused(&(sphere_options){.images = 1}, 0, FAIL_USAGE, "--images: found 1, expected 2..16");
+    refused(&(sphere_options){.images = 17, .mode = SPHERE_PAPER}, 0, FAIL_USAGE, "--images: found 17, expected 1..16");
+    refused(&(sphere_options){.images = 3, .polar = {0, 90}, .polar_count = 2}, 0, FAIL_USAGE, "beside --polar");
+    refused(&(sphere_options){.polar_count = 1}, 0, FAIL_USAGE, "--polar: found 1 angles, expected 2..16");
     refused(&(sphere_options){.polar_count = 17}, 0, FAIL_USAGE, "--polar: found 17 angles");
     refused(&(sphere_options){.polar_count = 2, .polar = {0, 179.5}}, 0, FAIL_USAGE, "--polar: found 179.5");
-    refused(&(sphere_options){.polar_count = 1, .polar = {-1}}, 0, FAIL_USAGE, "--polar: found -1");
-    refused(&(sphere_options){.polar_count = 1, .polar = {NAN}}, 0, FAIL_USAGE, "--polar");
+    refused(&(sphere_options){.polar_count = 2, .polar = {-1}}, 0, FAIL_USAGE, "--polar: found -1");
+    refused(&(sphere_options){.polar_count = 2, .polar = {NAN}}, 0, FAIL_USAGE, "--polar");
     refused(&(sphere_options){.polar_count = 2, .polar = {45, 45}}, 0, FAIL_USAGE, "--polar: found 45 after 45");
     refused(&(sphere_options){.polar_count = 2, .polar = {45, 30}}, 0, FAIL_USAGE, "rising");
     refused(&(sphere_options){.format = NACRE_FORMAT_R8}, 0, FAIL_USAGE, "--format");

@@ -84,12 +84,16 @@ static int table_run(const bake_request *r, const brdf *b, progress *p, bake_res
 static size_t sphere_rows(bake_request *r, option *row)
 {
     const option rows[] = {
-        {"--polar", OPTION_TEXT, &r->polar, 0, 0, "A,B,...", "light polar angles in degrees, rising (0,45,90,135)"},
-        {"--size", OPTION_INT, &r->spheres.size, SPHERE_MIN_SIZE, SPHERE_MAX_SIZE, "N",
-         "texels a side (256; paper 512)"},
         {"--mode", OPTION_TEXT, &r->mode, 0, 0, "MODE",
-         "cosine-free (default), or paper: Mihalik & Durikovic 2015 exactly"},
-        {"--format", OPTION_TEXT, &r->format, 0, 0, "FORMAT", "rgba8 (default), rgb565 or etc1"},
+         "quarter (default): quarters about the half vector, without the cosine; cosine-free: whole spheres without "
+         "it; paper: Mihalik & Durikovic 2015 exactly"},
+        {"--images", OPTION_INT, &r->spheres.images, 1, SPHERE_MAX_LAYERS, "N",
+         "how many (quarter 6, cosine-free and paper 4), at well-spread light angles"},
+        {"--polar", OPTION_TEXT, &r->polar, 0, 0, "A,B,...", "their light polar angles in degrees, rising, instead"},
+        {"--size", OPTION_INT, &r->spheres.size, SPHERE_MIN_SIZE, SPHERE_MAX_SIZE, "N",
+         "texels a side (quarter 32, at most 128; cosine-free 256; paper 512)"},
+        {"--format", OPTION_TEXT, &r->format, 0, 0, "FORMAT",
+         "rgba8, rgb8 (quarter's default), rgb565, etc1, or etc2: GLES 3 only"},
         {"--no-pad", OPTION_FLAG, &r->spheres.no_pad, 0, 0, NULL, "let the sphere touch the image's edge"},
     };
     memcpy(row, rows, sizeof rows);
@@ -98,25 +102,28 @@ static size_t sphere_rows(bake_request *r, option *row)
 
 static int sphere_check(bake_request *r, failure *f)
 {
-    static const char *const modes[] = {"cosine-free", "paper"}, *const formats[] = {"rgba8", "rgb565", "etc1"};
-    static const int format_code[] = {NACRE_FORMAT_RGBA8, NACRE_FORMAT_RGB565, NACRE_FORMAT_ETC2_RGB8};
+    static const char *const formats[] = {"rgba8", "rgb8", "rgb565", "etc1", "etc2"};
+    static const int format_code[] = {NACRE_FORMAT_RGBA8, NACRE_FORMAT_RGB8, NACRE_FORMAT_RGB565,
+                                      NACRE_FORMAT_ETC2_RGB8, NACRE_FORMAT_ETC2_RGB8};
     if (r->polar) {
         int code = parse_reals(r->polar, "--polar", r->spheres.polar, 1, 64, &r->spheres.polar_count, f);
         if (code) return code;
     }
-    int mode = r->mode ? index_of(r->mode, modes, 2) : 0;
-    if (mode < 0) return fail(f, FAIL_USAGE, "--mode %s: expected cosine-free or paper", r->mode);
-    r->spheres.mode = mode ? SPHERE_PAPER : SPHERE_COSINE_FREE;
-    int format = r->format ? index_of(r->format, formats, 3) : 0;
-    if (format < 0) return fail(f, FAIL_USAGE, "--format %s: expected rgba8, rgb565 or etc1", r->format);
+    int mode = r->mode ? index_of(r->mode, sphere_mode_names, 3) : 0;
+    if (mode < 0) return fail(f, FAIL_USAGE, "--mode %s: expected quarter, cosine-free or paper", r->mode);
+    r->spheres.mode = (sphere_mode)mode;
+    if (!r->format) return FAIL_NONE;
+    int format = index_of(r->format, formats, 5);
+    if (format < 0) return fail(f, FAIL_USAGE, "--format %s: expected rgba8, rgb8, rgb565, etc1 or etc2", r->format);
     r->spheres.format = format_code[format];
+    r->spheres.etc2 = format == 4;
     return FAIL_NONE;
 }
 
 static void sphere_figures(json *j, const sphere_asset *s, size_t texel_bytes, size_t file_bytes)
 {
     json_text(j, "brdf", s->name);
-    json_text(j, "mode", s->mode == SPHERE_PAPER ? "paper" : "cosine-free");
+    json_text(j, "mode", sphere_mode_names[s->mode]);
     json_int(j, "size", s->size);
     json_int(j, "levels", s->levels);
     json_begin(j, "polar", '[');
@@ -137,8 +144,8 @@ static int sphere_run(const bake_request *r, const brdf *b, progress *p, bake_re
     for (int i = 0; i < s.levels; i++) texel_bytes += s.level[i].size;
     sphere_write(&s, &out->file);
     sphere_figures(&out->figures, &s, texel_bytes, out->file.size);
-    snprintf(out->shape, sizeof out->shape, "%d images of %d x %d, %d levels, %zu bytes of texels", s.layers, s.size,
-             s.size, s.levels, texel_bytes);
+    snprintf(out->shape, sizeof out->shape, "%d images of %d x %d, %d level%s, %zu bytes of texels", s.layers, s.size,
+             s.size, s.levels, s.levels == 1 ? "" : "s", texel_bytes);
     sphere_free(&s);
     return FAIL_NONE;
 }
@@ -147,8 +154,8 @@ static int sphere_run(const bake_request *r, const brdf *b, progress *p, bake_re
 
 static const bake_kind kinds[] = {
     {"table", "half-vector table: a few kilobytes, one or two fetches per light", table_rows, table_check, table_run},
-    {"spheres", "sphere images (Mihalik & Durikovic 2015), cosine-free or as published", sphere_rows, sphere_check,
-     sphere_run},
+    {"spheres", "sphere images (Mihalik & Durikovic 2015): quarters, whole ones, or as published", sphere_rows,
+     sphere_check, sphere_run},
 };
 enum { KIND_COUNT = sizeof kinds / sizeof *kinds };
 

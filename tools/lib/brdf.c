@@ -48,9 +48,9 @@ int brdf_open_image(brdf **out, const nacre_image *image, const char *path, fail
         code = sphere_read(&spheres, image, path, f);
         if (code) return code;
         *out = sphere_brdf(&spheres, NULL);
-        snprintf((*out)->description, sizeof(*out)->description, "%d sphere images %d x %d, %s, of %.180s",
+        snprintf((*out)->description, sizeof(*out)->description, "%d sphere images %d x %d (%s), of %.180s",
                  spheres.layers, spheres.size, spheres.size,
-                 spheres.mode == SPHERE_PAPER ? "paper mode" : "cosine-free", spheres.name);
+                 sphere_mode_names[spheres.mode], spheres.name);
         sphere_free(&spheres);
         return 0;
     }

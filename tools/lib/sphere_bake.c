@@ -10,6 +10,7 @@
 #include "ktx2_write.h"
 #include "mip.h"
 #include "pixels.h"
+#include "quarter_fit.h"
 #include "sphere_fit.h"
 #include "texel_encode.h"
 #include "vec3.h"
@@ -21,6 +22,8 @@
  * light angles below phi_i ask for it. g_i is extended there: same theta_half and phi_diff, and the largest theta_diff at
  * which the pair is still above the horizon (extend()).
  */
+
+const char *const sphere_mode_names[3] = {"quarter", "cosine-free", "paper"};
 
 static const double pi = 3.14159265358979323846;
 
@@ -186,7 +189,8 @@ static void render_layer(const render_job *job, int layer, float *rgb)
 /* Largest code of a channel; 0 where texels don't stand alone (blocks). */
 static int code_levels(int format, int channel)
 {
-    return format == NACRE_FORMAT_RGBA8 ? 255 : format == NACRE_FORMAT_RGB565 ? (channel == 1 ? 63 : 31) : 0;
+    if (format == NACRE_FORMAT_RGB565) return channel == 1 ? 63 : 31;
+    return format == NACRE_FORMAT_RGBA8 || format == NACRE_FORMAT_RGB8 ? 255 : 0;
 }
 
 /* ---- choice of scale ------------------------------------------------------------------------ */
@@ -391,7 +395,7 @@ static void encode_layer(const render_job *job, sphere_asset *a, int layer, cons
             fit_codes(job, layer, sample, code);
         else if (level == 0)
             progress_add(job->progress, 1 - render_part);
-        texel_encode(a->format, code, size, size, a->level[level].data + part * (size_t)layer);
+        texel_encode(a->format, a->etc2, code, size, size, a->level[level].data + part * (size_t)layer);
         if (level + 1 < a->levels) mip_halve(rgb, coverage, size, size, 3, rgb, coverage);
         size /= 2;
     }
@@ -406,9 +410,23 @@ static void make_levels(sphere_asset *a)
     }
 }
 
-/* ---- the whole ------------------------------------------------------------------------------ */
+/* ---- quarters ------------------------------------------------------------------------------- */
 
-static const double default_polar[] = {0, 45, 90, 135};
+static int bake_quarters(sphere_asset *a, const render_job *job, failure *f)
+{
+    size_t texels = (size_t)a->size * (size_t)a->size, part = texel_bytes(a->format, a->size, a->size);
+    quarter_job quarters = {job->b, job->exposure, a->polar, a->layers, a->size, {0}, job->progress};
+    float *code = need_memory(texels * (size_t)a->layers, 3 * sizeof *code);
+    for (int c = 0; c < 3; c++) quarters.levels[c] = code_levels(a->format, c);
+    int result = quarter_fit(code, a->scale, &quarters, f);
+    if (!result) make_levels(a);
+    for (size_t i = 0; i < (size_t)a->layers && !result; i++)
+        texel_encode(a->format, a->etc2, code + 3 * texels * i, a->size, a->size, a->level[0].data + part * i);
+    free(code);
+    return result;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------ */
 
 static int check_options(const sphere_options *o, const brdf *b, failure *f)
 {
@@ -416,10 +434,18 @@ static int check_options(const sphere_options *o, const brdf *b, failure *f)
         return fail(f, FAIL_UNSUPPORTED,
                     "%s: found an anisotropic material, expected an isotropic one: a sphere image holds one azimuth",
                     b->name);
-    if (o->size && (o->size < SPHERE_MIN_SIZE || o->size > SPHERE_MAX_SIZE))
-        return fail(f, FAIL_USAGE, "--size: found %d, expected %d..%d", o->size, SPHERE_MIN_SIZE, SPHERE_MAX_SIZE);
-    if (o->polar_count < 0 || o->polar_count > SPHERE_MAX_LAYERS)
-        return fail(f, FAIL_USAGE, "--polar: found %d angles, expected 1..%d", o->polar_count, SPHERE_MAX_LAYERS);
+    int quarters = o->mode == SPHERE_QUARTER, most = quarters ? SPHERE_MAX_QUARTER : SPHERE_MAX_SIZE;
+    if (o->size && (o->size < SPHERE_MIN_SIZE || o->size > most))
+        return fail(f, FAIL_USAGE, "--size: found %d, expected %d..%d", o->size, SPHERE_MIN_SIZE, most);
+    if (quarters && o->size % 4 && o->format == NACRE_FORMAT_ETC2_RGB8)
+        return fail(f, FAIL_USAGE, "--size: found %d, expected a multiple of 4: blocks may not span two images",
+                    o->size);
+    if (o->polar_count && o->images) return fail(f, FAIL_USAGE, "--images: given beside --polar, expected one of them");
+    if (o->images && (o->images < 1 + quarters || o->images > SPHERE_MAX_LAYERS))
+        return fail(f, FAIL_USAGE, "--images: found %d, expected %d..%d", o->images, 1 + quarters, SPHERE_MAX_LAYERS);
+    if (o->polar_count < 0 || o->polar_count > SPHERE_MAX_LAYERS || (quarters && o->polar_count == 1))
+        return fail(f, FAIL_USAGE, "--polar: found %d angles, expected %d..%d", o->polar_count, 1 + quarters,
+                    SPHERE_MAX_LAYERS);
     for (int i = 0; i < o->polar_count; i++) {
         if (!(o->polar[i] >= 0 && o->polar[i] <= 179))
             return fail(f, FAIL_USAGE, "--polar: found %g degrees, expected 0..179", o->polar[i]);
@@ -428,23 +454,32 @@ static int check_options(const sphere_options *o, const brdf *b, failure *f)
                         o->polar[i], o->polar[i - 1], SPHERE_MIN_STEP_DEG);
     }
     if (o->format && !texel_bytes(o->format, 1, 1))
-        return fail(f, FAIL_USAGE, "--format: found vkFormat %d, expected rgba8, rgb565 or etc1", o->format);
+        return fail(f, FAIL_USAGE, "--format: found vkFormat %d, expected rgba8, rgb8, rgb565, etc1 or etc2",
+                    o->format);
     return FAIL_NONE;
+}
+
+static double default_polar(const sphere_asset *a, int i)
+{
+    return a->mode == SPHERE_QUARTER ? quarter_polar(i, a->layers) : 180.0 * i / a->layers;
 }
 
 static void apply_options(sphere_asset *a, const sphere_options *o)
 {
+    static const int sizes[] = {[SPHERE_QUARTER] = 32, [SPHERE_COSINE_FREE] = 256, [SPHERE_PAPER] = 512};
+    int quarters = o->mode == SPHERE_QUARTER;
     a->mode = o->mode;
-    a->size = o->size ? o->size : o->mode == SPHERE_PAPER ? 512 : 256;
-    a->format = o->format ? o->format : NACRE_FORMAT_RGBA8;
-    a->levels = o->no_mips ? 1 : mip_count(a->size, a->size);
-    a->layers = o->polar_count ? o->polar_count : 4;
+    a->size = o->size ? o->size : sizes[o->mode];
+    a->format = o->format ? o->format : quarters ? NACRE_FORMAT_RGB8 : NACRE_FORMAT_RGBA8;
+    a->etc2 = o->etc2 && a->format == NACRE_FORMAT_ETC2_RGB8;
+    a->levels = o->no_mips || quarters ? 1 : mip_count(a->size, a->size);
+    a->layers = o->polar_count ? o->polar_count : o->images ? o->images : quarters ? 6 : 4;
     for (int i = 0; i < a->layers; i++) {
-        double bam = floor((o->polar_count ? o->polar[i] : default_polar[i]) * (32768 / 180.0) + 0.5);
+        double bam = floor((o->polar_count ? o->polar[i] : default_polar(a, i)) * (32768 / 180.0) + 0.5);
         a->polar[i] = bam * (180 / 32768.0);
     }
     /* a 32nd of the width on each side: still one texel at the third mip level of 256 */
-    int pad = o->no_pad || o->mode == SPHERE_PAPER ? 0 : (a->size + 31) / 32 > 2 ? (a->size + 31) / 32 : 2;
+    int pad = o->no_pad || o->mode != SPHERE_COSINE_FREE ? 0 : (a->size + 31) / 32 > 2 ? (a->size + 31) / 32 : 2;
     a->disc = floor((double)(a->size - 2 * pad) / a->size * 65536 + 0.5) / 65536;
 }
 
@@ -461,6 +496,11 @@ int sphere_bake(sphere_asset *out, const brdf *b, const sphere_options *options,
     brdf_albedo(b, a.albedo);
     /* the paper's 512 texels a side are fine enough for four samples each */
     render_job job = {b, &a, brdf_exposure(b), a.mode == SPHERE_PAPER ? 2 : 3, o->progress};
+    if (a.mode == SPHERE_QUARTER) {
+        code = bake_quarters(&a, &job, f);
+        if (!code) *out = a;
+        return code;
+    }
 
     double scale[3] = {job.exposure, job.exposure, job.exposure};
     if (a.mode == SPHERE_COSINE_FREE) choose_scales(&job, scale);
@@ -492,21 +532,28 @@ void sphere_free(sphere_asset *s)
 
 /* ---- files ---------------------------------------------------------------------------------- */
 
+static const char *transfer_of(sphere_mode mode)
+{
+    return mode == SPHERE_PAPER ? "srgb" : mode == SPHERE_QUARTER ? "root4-lh" : "root4";
+}
+
 void sphere_write(const sphere_asset *s, bytes *out)
 {
     ktx2_image k = {
         .format = s->format, .width = s->size, .height = s->size, .layers = s->layers, .faces = 1, .levels = s->levels};
     uint32_t polar_bam[SPHERE_MAX_LAYERS], yes = 1, cosine = s->mode == SPHERE_PAPER;
+    int quarters = s->mode == SPHERE_QUARTER;
     for (int i = 0; i < s->levels; i++) bytes_append(&k.level[i], s->level[i].data, s->level[i].size);
     for (int i = 0; i < s->layers; i++) polar_bam[i] = (uint32_t)(s->polar[i] * (32768 / 180.0) + 0.5);
     ktx2_key_text(&k, NACRE_KEY_ROLE, "spheres");
-    ktx2_key_text(&k, NACRE_KEY_TRANSFER, cosine ? "srgb" : "root4");
+    ktx2_key_text(&k, NACRE_KEY_TRANSFER, transfer_of(s->mode));
     ktx2_key_text(&k, NACRE_KEY_NAME, s->name);
-    if (s->format == NACRE_FORMAT_ETC2_RGB8) ktx2_key_u32(&k, NACRE_KEY_ETC1, &yes, 1);
+    if (s->format == NACRE_FORMAT_ETC2_RGB8 && !s->etc2) ktx2_key_u32(&k, NACRE_KEY_ETC1, &yes, 1);
     ktx2_key_u32(&k, NACRE_KEY_LIGHT_POLAR, polar_bam, s->layers);
     ktx2_key_u32(&k, NACRE_KEY_COSINE, &cosine, 1);
     ktx2_key_q16(&k, NACRE_KEY_SCALE, s->scale, 3);
-    ktx2_key_q16(&k, NACRE_KEY_DISC, &s->disc, 1);
+    if (quarters) ktx2_key_u32(&k, NACRE_KEY_QUARTERS, &yes, 1);
+    if (!quarters) ktx2_key_q16(&k, NACRE_KEY_DISC, &s->disc, 1);
     ktx2_key_q16(&k, NACRE_KEY_ALBEDO, s->albedo, 3);
     ktx2_write(&k, out);
     ktx2_free(&k);
@@ -538,20 +585,35 @@ static int read_polar(sphere_asset *a, const nacre_image *image, const char *pat
     return FAIL_NONE;
 }
 
-static int read_keys(sphere_asset *a, const nacre_image *image, const char *path, failure *f)
+static int read_mode(sphere_asset *a, const nacre_image *image, const char *path, failure *f)
 {
-    uint32_t cosine = 0, size = 0;
-    int code = read_polar(a, image, path, f);
-    if (code) return code;
+    uint32_t cosine = 0, quarters = 0, etc1 = 0;
     if (!asset_key_u32(image, NACRE_KEY_COSINE, &cosine, 1) || cosine > 1)
         return fail(f, FAIL_INVALID, "%s: key %s: missing or malformed, expected u32 0 or 1", path, NACRE_KEY_COSINE);
-    a->mode = cosine ? SPHERE_PAPER : SPHERE_COSINE_FREE;
-    const char *transfer = cosine ? "srgb" : "root4";
+    if (nacre_image_key(image, NACRE_KEY_QUARTERS, NULL) &&
+        (!asset_key_u32(image, NACRE_KEY_QUARTERS, &quarters, 1) || quarters > 1))
+        return fail(f, FAIL_INVALID, "%s: key %s: malformed, expected u32 0 or 1", path, NACRE_KEY_QUARTERS);
+    if (quarters && (cosine || a->layers < 2 || a->levels > 1))
+        return fail(f, FAIL_INVALID,
+                    "%s: key %s: found with %d images, %d levels and %s = %u, expected 2 or more, 1 and 0", path,
+                    NACRE_KEY_QUARTERS, a->layers, a->levels, NACRE_KEY_COSINE, (unsigned)cosine);
+    a->mode = cosine ? SPHERE_PAPER : quarters ? SPHERE_QUARTER : SPHERE_COSINE_FREE;
+    a->etc2 = a->format == NACRE_FORMAT_ETC2_RGB8 && !(asset_key_u32(image, NACRE_KEY_ETC1, &etc1, 1) && etc1 == 1);
+    const char *transfer = transfer_of(a->mode);
     if (!asset_key_is(image, NACRE_KEY_TRANSFER, transfer))
-        return fail(f, FAIL_INVALID, "%s: key %s: expected \"%s\" beside %s = %u", path, NACRE_KEY_TRANSFER, transfer,
-                    NACRE_KEY_COSINE, (unsigned)cosine);
-    code = read_reals(image, NACRE_KEY_SCALE, a->scale, 3, path, f);
-    if (!code) code = read_reals(image, NACRE_KEY_DISC, &a->disc, 1, path, f);
+        return fail(f, FAIL_INVALID, "%s: key %s: expected \"%s\" beside %s = %u and %s = %u", path, NACRE_KEY_TRANSFER,
+                    transfer, NACRE_KEY_COSINE, (unsigned)cosine, NACRE_KEY_QUARTERS, (unsigned)quarters);
+    return FAIL_NONE;
+}
+
+static int read_keys(sphere_asset *a, const nacre_image *image, const char *path, failure *f)
+{
+    uint32_t size = 0;
+    int code = read_polar(a, image, path, f);
+    if (!code) code = read_mode(a, image, path, f);
+    a->disc = 1;
+    if (!code) code = read_reals(image, NACRE_KEY_SCALE, a->scale, 3, path, f);
+    if (!code && a->mode != SPHERE_QUARTER) code = read_reals(image, NACRE_KEY_DISC, &a->disc, 1, path, f);
     if (!code) code = read_reals(image, NACRE_KEY_ALBEDO, a->albedo, 3, path, f);
     if (code) return code;
     for (int c = 0; c < 3; c++)
@@ -574,7 +636,8 @@ int sphere_read(sphere_asset *out, const nacre_image *image, const char *path, f
         return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"spheres\"", path, NACRE_KEY_ROLE, found);
     }
     if (!texel_bytes(a.format, 1, 1))
-        return fail(f, FAIL_UNSUPPORTED, "%s: found vkFormat %d, expected RGBA8, RGB565 or ETC2 RGB8", path, a.format);
+        return fail(f, FAIL_UNSUPPORTED, "%s: found vkFormat %d, expected RGBA8, RGB8, RGB565 or ETC2 RGB8", path,
+                    a.format);
     if (image->width != image->height || image->faces != 1)
         return fail(f, FAIL_INVALID, "%s: found %d x %d with %d faces, expected square images with one", path,
                     image->width, image->height, image->faces);

@@ -6,10 +6,13 @@
 
 #include "nacre_asset.h"
 #include "pixels.h"
+#include "quarter_fit.h"
 #include "sphere_bake.h"
 #include "texel_encode.h"
+#include "vec3.h"
 
 static const double pi = 3.14159265358979323846;
+static const double least_l_dot_v = -0.999; /* the runtime's: beyond it the half vector is undefined */
 
 typedef struct spheres {
     brdf base;
@@ -17,6 +20,7 @@ typedef struct spheres {
     sphere_mode mode;
     double polar[SPHERE_MAX_LAYERS]; /* radians */
     double scale[3], disc, k, shrink;
+    double polar_deg[SPHERE_MAX_LAYERS];
     float *code; /* layers x size x size x RGB, 0..1, as a GPU reads them */
 } spheres;
 
@@ -107,6 +111,50 @@ static void look_up(const spheres *s, const double light[3], const double eye[3]
     for (int c = 0; c < 3; c++) code[c] = code[c] * (1 - t) + second[c] * t; /* eq. 4, on encoded values */
 }
 
+/* Bilinear, end-aligned, at a place of the quarter (0..1 each). */
+static void fetch_quarter(const spheres *s, int layer, double u, double v, double out[3])
+{
+    double x = fmin(u, 1) * (s->size - 1), y = fmin(v, 1) * (s->size - 1);
+    int i = (int)fmin(x, s->size - 2), j = (int)fmin(y, s->size - 2);
+    const float *at = s->code + 3 * (((size_t)layer * (size_t)s->size + (size_t)j) * (size_t)s->size + (size_t)i);
+    for (int c = 0; c < 3; c++, at++) {
+        double top = (double)at[0] * (1 - (x - i)) + (double)at[3] * (x - i);
+        double bottom = (double)at[3 * s->size] * (1 - (x - i)) + (double)at[3 * s->size + 3] * (x - i);
+        out[c] = top * (1 - (y - j)) + bottom * (y - j);
+    }
+}
+
+/* Quarters: f_r. Light opposite to the eye: there is no half vector, and no light comes back. */
+static int quarters_eval(const brdf *b, const double to_light[3], const double to_eye[3], double f_r[3])
+{
+    const spheres *s = (const spheres *)b;
+    double h[3], d[3], across[3], near_code[3], far_code[3], weight;
+    f_r[0] = f_r[1] = f_r[2] = 0;
+    if (!(to_light[2] > 0) || !(to_eye[2] > 0)) return 0;
+    for (int k = 0; k < 3; k++) {
+        h[k] = to_light[k] + to_eye[k];
+        d[k] = to_light[k] - to_eye[k];
+    }
+    double l_dot_h = normalise3(h) / 2;
+    if (2 * l_dot_h * l_dot_h - 1 < least_l_dot_v) return 1;
+    if (normalise3(d) < 1e-9) { /* any direction across h: the part of the normal itself is one */
+        d[0] = -h[0] * h[2];
+        d[1] = -h[1] * h[2];
+        d[2] = 1 - h[2] * h[2];
+        normalise3(d);
+    }
+    cross3(across, h, d);
+    int layer = quarter_pair(s->polar_deg, s->layers, sqrt(fmax(1 - l_dot_h, 0)), &weight);
+    double u = quarter_place(d[2]), v = quarter_place(across[2]);
+    fetch_quarter(s, layer, u, v, near_code);
+    fetch_quarter(s, layer + 1, u, v, far_code);
+    for (int c = 0; c < 3; c++) {
+        double code = near_code[c] * (1 - weight) + far_code[c] * weight;
+        f_r[c] = s->scale[c] * code * code * code * code / (pi * l_dot_h);
+    }
+    return 1;
+}
+
 static int spheres_eval_cosine(const brdf *b, const double to_light[3], const double to_eye[3], double out[3])
 {
     const spheres *s = (const spheres *)b;
@@ -142,20 +190,27 @@ static void spheres_close(brdf *b)
 
 static const char *format_name(int format)
 {
-    return format == NACRE_FORMAT_RGBA8 ? "rgba8" : format == NACRE_FORMAT_RGB565 ? "rgb565" : "etc1";
+    return format == NACRE_FORMAT_RGBA8    ? "rgba8"
+           : format == NACRE_FORMAT_RGB8   ? "rgb8"
+           : format == NACRE_FORMAT_RGB565 ? "rgb565"
+                                           : "etc";
 }
+
+static const char *const mode_names[] = {[SPHERE_QUARTER] = "quarters about the half vector, cosine-free",
+                                         [SPHERE_COSINE_FREE] = "cosine-free",
+                                         [SPHERE_PAPER] = "cosine in the images (paper)"};
 
 brdf *sphere_brdf(const sphere_asset *a, const sphere_decode_options *options)
 {
     spheres *s = need_memory(1, sizeof *s);
     int paper = a->mode == SPHERE_PAPER;
-    s->base.eval = spheres_eval;
-    s->base.eval_cosine = spheres_eval_cosine;
+    s->base.eval = a->mode == SPHERE_QUARTER ? quarters_eval : spheres_eval;
+    s->base.eval_cosine = a->mode == SPHERE_QUARTER ? NULL : spheres_eval_cosine;
     s->base.lit_past_terminator = paper;
     s->base.close = spheres_close;
     snprintf(s->base.name, sizeof s->base.name, "%s", a->name);
     snprintf(s->base.description, sizeof s->base.description, "%d sphere images, %d x %d %s, %s", a->layers, a->size,
-             a->size, format_name(a->format), paper ? "cosine in the images (paper)" : "cosine-free");
+             a->size, format_name(a->format), mode_names[a->mode]);
     s->size = a->size;
     s->layers = a->layers;
     s->mode = a->mode;
@@ -166,6 +221,7 @@ brdf *sphere_brdf(const sphere_asset *a, const sphere_decode_options *options)
     size_t texels = (size_t)a->size * (size_t)a->size, part = texel_bytes(a->format, a->size, a->size);
     s->code = need_memory(texels * (size_t)a->layers, 3 * sizeof *s->code);
     for (int i = 0; i < a->layers; i++) {
+        s->polar_deg[i] = a->polar[i];
         s->polar[i] = a->polar[i] * (pi / 180);
         texel_decode(a->format, a->level[0].data + part * (size_t)i, a->size, a->size,
                      s->code + 3 * texels * (size_t)i);

@@ -14,6 +14,8 @@ size_t texel_bytes(int format, int width, int height)
     switch (format) {
     case NACRE_FORMAT_RGBA8:
         return 4 * count;
+    case NACRE_FORMAT_RGB8:
+        return 3 * count;
     case NACRE_FORMAT_RGB565:
         return 2 * count;
     case NACRE_FORMAT_ETC2_RGB8:
@@ -28,20 +30,22 @@ static unsigned nearest(float x, unsigned most)
     return x > 0 ? x < 1 ? (unsigned)(x * (float)most + 0.5F) : most : 0;
 }
 
-static void encode_etc1(const float *rgb, int width, int height, uint8_t *out)
+static void encode_etc(int etc2, const float *rgb, int width, int height, uint8_t *out)
 {
     size_t count = 3 * (size_t)width * (size_t)height;
     uint8_t *codes = need_memory(count, 1);
     for (size_t i = 0; i < count; i++) codes[i] = (uint8_t)nearest(rgb[i], 255);
+    (void)etc2;
     etc1_encode(codes, width, height, out);
     free(codes);
 }
 
-void texel_encode(int format, const float *rgb, int width, int height, uint8_t *out)
+void texel_encode(int format, int etc2, const float *rgb, int width, int height, uint8_t *out)
 {
     size_t count = (size_t)width * (size_t)height;
+    size_t step = format == NACRE_FORMAT_RGB8 ? 3 : 4;
     if (format == NACRE_FORMAT_ETC2_RGB8) {
-        encode_etc1(rgb, width, height, out);
+        encode_etc(etc2, rgb, width, height, out);
         return;
     }
     for (size_t i = 0; i < count; i++, rgb += 3) {
@@ -50,15 +54,15 @@ void texel_encode(int format, const float *rgb, int width, int height, uint8_t *
             out[2 * i] = (uint8_t)code;
             out[2 * i + 1] = (uint8_t)(code >> 8);
         } else {
-            for (int c = 0; c < 3; c++) out[4 * i + (size_t)c] = (uint8_t)nearest(rgb[c], 255);
-            out[4 * i + 3] = 255;
+            for (int c = 0; c < 3; c++) out[step * i + (size_t)c] = (uint8_t)nearest(rgb[c], 255);
+            if (step == 4) out[4 * i + 3] = 255;
         }
     }
 }
 
 void texel_decode(int format, const uint8_t *texel, int width, int height, float *rgb)
 {
-    size_t count = (size_t)width * (size_t)height;
+    size_t count = (size_t)width * (size_t)height, step = format == NACRE_FORMAT_RGB8 ? 3 : 4;
     if (format == NACRE_FORMAT_ETC2_RGB8) {
         uint8_t *codes = need_memory(count, 3);
         etc1_decode(texel, width, height, codes);
@@ -73,7 +77,7 @@ void texel_decode(int format, const uint8_t *texel, int width, int height, float
             rgb[1] = (float)(code >> 5 & 63) / 63;
             rgb[2] = (float)(code & 31) / 31;
         } else {
-            for (int c = 0; c < 3; c++) rgb[c] = (float)texel[4 * i + (size_t)c] / 255;
+            for (int c = 0; c < 3; c++) rgb[c] = (float)texel[step * i + (size_t)c] / 255;
         }
     }
 }
