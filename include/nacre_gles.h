@@ -151,8 +151,9 @@ void nacre_gles_lit_remove(nacre_gles *gles, nacre_gles_lit lit);
    output: 16); only the last pass writes display codes.
    Call it with the host's GL state as it is, outside bind .. unbind: framebuffer, viewport and all other state are left as
    found. On failure items that use it are shaded directly until an update succeeds.
-   NACRE_ERR_ARGUMENT: view or lit not valid. NACRE_ERR_UNSUPPORTED: a point light; the device has no such framebuffers.
-   NACRE_ERR_BUDGET: texture_budget (passes need 16 bytes a texel more). NACRE_ERR_GL / LOST. */
+   NACRE_ERR_ARGUMENT: view or lit not valid. NACRE_ERR_UNSUPPORTED: a point light. NACRE_ERR_BUDGET: texture_budget: passes
+   need 16 bytes a texel more, shared by lit spheres of one size, and 8 for each whose update is spread. NACRE_ERR_GL: a
+   framebuffer that is not complete, too. NACRE_ERR_LOST. */
 nacre_result nacre_gles_lit_update(nacre_gles *gles, nacre_gles_lit lit, const nacre_q16 centre[3],
                                    const nacre_view *view, unsigned budget);
 

@@ -580,7 +580,7 @@ static void on_FramebufferRenderbuffer(gl_enum target, gl_enum attachment, gl_en
 static gl_enum on_CheckFramebufferStatus(gl_enum target)
 {
     (void)target;
-    return GLES_FRAMEBUFFER_COMPLETE;
+    return f.o.incomplete ? 0x8CDD /* unsupported */ : GLES_FRAMEBUFFER_COMPLETE;
 }
 
 static void on_GenRenderbuffers(gl_sizei n, gl_uint *names)

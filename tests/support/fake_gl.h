@@ -25,6 +25,7 @@ typedef struct fake_gl_options {                 /* zero means default */
     int no_optional;        /* 1: no entry points beyond ES 2.0 */
     int reset_status;       /* 1: glGetGraphicsResetStatus is there */
     const char *missing;    /* one entry point that get_proc does not know */
+    int incomplete;         /* 1: no framebuffer is complete */
 } fake_gl_options;
 
 void fake_gl_start(const fake_gl_options *options);

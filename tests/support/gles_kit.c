@@ -285,3 +285,47 @@ int kit_world_free(kit_world *w)
     workspace_free(&w->block);
     return intact;
 }
+
+void kit_hostile_state(int es)
+{
+    void (*gen_textures)(int, uint32_t *) = (void (*)(int, uint32_t *))(uintptr_t)fake_gl_proc(NULL, "glGenTextures");
+    void (*gen_buffers)(int, uint32_t *) = (void (*)(int, uint32_t *))(uintptr_t)fake_gl_proc(NULL, "glGenBuffers");
+    void (*active)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glActiveTexture");
+    void (*bind_texture)(unsigned, uint32_t) =
+        (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindTexture");
+    void (*bind_buffer)(unsigned, uint32_t) =
+        (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindBuffer");
+    void (*store)(unsigned, int) = (void (*)(unsigned, int))(uintptr_t)fake_gl_proc(NULL, "glPixelStorei");
+    void (*pointer)(unsigned, int, unsigned, uint8_t, int, const void *) =
+        (void (*)(unsigned, int, unsigned, uint8_t, int, const void *))(uintptr_t)fake_gl_proc(NULL,
+                                                                                               "glVertexAttribPointer");
+    void (*enable_array)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glEnableVertexAttribArray");
+    void (*enable)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glEnable");
+    void (*viewport)(int, int, int, int) = (void (*)(int, int, int, int))(uintptr_t)fake_gl_proc(NULL, "glViewport");
+    uint32_t texture[3], buffer[3];
+    gen_textures(3, texture);
+    gen_buffers(3, buffer);
+    for (unsigned u = 0; u < 3; u++) {
+        active(0x84C0 + u);
+        bind_texture(0x0DE1, texture[u]);
+    }
+    active(0x84C0 + 5);
+    bind_buffer(0x8892, buffer[0]);
+    pointer(0, 2, 0x1401, 1, 20, (const void *)8);
+    pointer(3, 4, 0x1406, 0, 0, NULL);
+    enable_array(0);
+    enable_array(3);
+    bind_buffer(0x8892, buffer[1]);
+    bind_buffer(0x8893, buffer[2]);
+    store(0x0CF5, 8);
+    if (es == 3) {
+        store(0x0CF2, 100);
+        store(0x0CF3, 3);
+        bind_buffer(0x88EC, buffer[1]);
+    }
+    enable(0x0BE2);
+    enable(0x0C11);
+    enable(0x0B44);
+    if (es == 3) enable(0x8C89);
+    viewport(3, 5, 77, 99);
+}

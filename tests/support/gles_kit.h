@@ -33,6 +33,10 @@ nacre_material kit_material(const kit *k, kit_model model, int normal);
 /* lights: 0..8 of a fixed set, the last `points` of them point lights. The view keeps pointing to a static array. */
 nacre_view kit_view(int lights, int points, int perspective);
 
+/* What no sane host leaves behind, without a real loader: odd bindings and switches everywhere. The objects, 6, stay the
+   host's. */
+void kit_hostile_state(int es);
+
 /* A real context with a fresh w x h framebuffer; 0 when this machine has none of that kind. */
 int kit_context(gl_headless **out, gl_backend backend, int width, int height);
 /* Largest difference of any channel, and at *covered (may be NULL) how many pixels of a are not background. */

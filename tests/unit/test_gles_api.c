@@ -552,49 +552,6 @@ static void bind_holds_four_lights_of_a_table(void **state)
 
 /* ---- GL state -------------------------------------------------------------------------------------- */
 
-/* What no sane host leaves behind: odd bindings everywhere. The objects stay the host's. */
-static void hostile_state(int es)
-{
-    void (*gen_textures)(int, uint32_t *) = (void (*)(int, uint32_t *))(uintptr_t)fake_gl_proc(NULL, "glGenTextures");
-    void (*gen_buffers)(int, uint32_t *) = (void (*)(int, uint32_t *))(uintptr_t)fake_gl_proc(NULL, "glGenBuffers");
-    void (*active)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glActiveTexture");
-    void (*bind_texture)(unsigned, uint32_t) =
-        (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindTexture");
-    void (*bind_buffer)(unsigned, uint32_t) =
-        (void (*)(unsigned, uint32_t))(uintptr_t)fake_gl_proc(NULL, "glBindBuffer");
-    void (*store)(unsigned, int) = (void (*)(unsigned, int))(uintptr_t)fake_gl_proc(NULL, "glPixelStorei");
-    void (*pointer)(unsigned, int, unsigned, uint8_t, int, const void *) =
-        (void (*)(unsigned, int, unsigned, uint8_t, int, const void *))(uintptr_t)fake_gl_proc(NULL,
-                                                                                               "glVertexAttribPointer");
-    void (*enable_array)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glEnableVertexAttribArray");
-    void (*enable)(unsigned) = (void (*)(unsigned))(uintptr_t)fake_gl_proc(NULL, "glEnable");
-    void (*viewport)(int, int, int, int) = (void (*)(int, int, int, int))(uintptr_t)fake_gl_proc(NULL, "glViewport");
-    uint32_t texture[3], buffer[3];
-    gen_textures(3, texture);
-    gen_buffers(3, buffer);
-    for (unsigned u = 0; u < 3; u++) {
-        active(0x84C0 + u);
-        bind_texture(0x0DE1, texture[u]);
-    }
-    active(0x84C0 + 5);
-    bind_buffer(0x8892, buffer[0]);
-    pointer(0, 2, 0x1401, 1, 20, (const void *)8);
-    pointer(3, 4, 0x1406, 0, 0, NULL);
-    enable_array(0);
-    enable_array(3);
-    bind_buffer(0x8892, buffer[1]);
-    bind_buffer(0x8893, buffer[2]);
-    store(0x0CF5, 8);
-    if (es == 3) {
-        store(0x0CF2, 100);
-        store(0x0CF3, 3);
-        bind_buffer(0x88EC, buffer[1]);
-    }
-    enable(0x0BE2);
-    enable(0x0C11);
-    viewport(3, 5, 77, 99);
-}
-
 static void assert_state_kept(const long *before, int count, const char *what)
 {
     long after[FAKE_GL_STATES];
@@ -613,7 +570,7 @@ static void every_call_puts_state_back(void **state)
                     world w;
                     long before[FAKE_GL_STATES];
                     open_world(&w, &(fake_gl_options){.es = es}, NULL);
-                    hostile_state(es);
+                    kit_hostile_state(es);
                     const int host_objects = 6, count = fake_gl_snapshot(before);
                     assert_in_range(count, 60, FAKE_GL_STATES - 1);
                     const nacre_view view = kit_view(lights, lights > 4, 1);
@@ -679,7 +636,7 @@ static void changed_tells_all(void **state)
         open_world(&w, &(fake_gl_options){.es = es}, &(nacre_gles_desc){.host_resets_state = 1});
         const nacre_view view = kit_view(2, 0, 0);
         const nacre_gles_item item = add(&w, KIT_SPHERES, 0);
-        hostile_state(es);
+        kit_hostile_state(es);
         const int count = fake_gl_snapshot(before);
         nacre_gles_state c;
         assert_int_equal(nacre_gles_draw(w.gles, item, &view), NACRE_OK);
