@@ -73,7 +73,7 @@ static void set_columns(shade_table_eval *out, uint32_t *columns, const shade_ta
 }
 
 /* u: 0 at n = h, (width - 1) at t = 1. */
-static int set_coordinate(shade_table_eval *out, const shade_table *table)
+int shade_eval_coordinate(shade_table_eval *out, const shade_table *table)
 {
     const int64_t range = fx_log2_u64((uint64_t)table->eps + 65536) - fx_log2_u64((uint64_t)table->eps);
     const int64_t two_eps_q28 = (int64_t)table->eps << 13;
@@ -112,7 +112,7 @@ int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const sha
     int64_t log2_of[3], part_q30[3], most = FX_LOG2_ZERO;
     int i;
 
-    if (!set_coordinate(&eval, table)) return 0;
+    if (!shade_eval_coordinate(&eval, table)) return 0;
     eval.columns = columns;
     eval.fine = material->fine;
     eval.power4 = table->p == 4 * 65536;

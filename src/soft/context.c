@@ -40,8 +40,10 @@ static size_t rounded(size_t bytes)
 size_t soft_light_bytes(const nacre_soft_desc *d)
 {
     const size_t table = sizeof(shade_table_eval) + 4 * SHADE_TABLE_WORDS(d->table_columns, d->fine);
+    const size_t near = sizeof(shade_table_persp) + sizeof(shade_persp_light);
+    const size_t larger = table > near ? table : near;
 
-    return rounded(table > sizeof(shade_spheres_eval) ? table : sizeof(shade_spheres_eval));
+    return rounded(larger > sizeof(shade_spheres_eval) ? larger : sizeof(shade_spheres_eval));
 }
 
 /* References: two a triangle; the room is the shade_frame's too, while preparing. */

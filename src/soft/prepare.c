@@ -55,6 +55,28 @@ static nacre_result set_tables(const nacre_soft *soft, soft_item *item, uint32_t
     return NACRE_OK;
 }
 
+/* Directions per pixel. */
+static nacre_result set_near(preparing *p, soft_item *item, uint32_t index, const shade_material *material,
+                             const nacre_image *image)
+{
+    const uint8_t *const texels[2] = {nacre_image_texels(image, 0, 0, 0, NULL),
+                                      nacre_image_texels(image, 0, material->fine, 0, NULL)};
+    const shade_frame *const frame = p->soft->frame;
+    int i;
+
+    item->near = light_memory(p->soft, index);
+    item->near_light = (shade_persp_light *)(void *)(item->near + 1);
+    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, texels) ||
+        !soft_lens_set(&item->lens, p->soft, &p->view, frame))
+        return NACRE_ERR_UNSUPPORTED;
+    for (i = 0; i < frame->light_count; i++) {
+        shade_persp_light_prepare(&item->near_light[item->lights], &p->view.lights[i], &frame->light[i],
+                                  frame->position_shift);
+        item->lights += !item->near_light[item->lights].dark;
+    }
+    return NACRE_OK;
+}
+
 static nacre_result set_spheres(const nacre_soft *soft, soft_item *item, uint32_t index, const shade_material *material,
                                 const nacre_image *image)
 {
@@ -83,10 +105,14 @@ static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, 
 
     if (r) return r;
     if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
-    if (shade_needs_persp(view) || from->material->image[NACRE_ROLE_NORMAL]) return NACRE_ERR_UNSUPPORTED;
-    shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, 0, 2);
+    if (from->material->image[NACRE_ROLE_NORMAL]) return NACRE_ERR_UNSUPPORTED;
+    shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, shade_needs_persp(view), 2);
     memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
     item->output = view->output;
+    if (soft->frame->persp)
+        return material.model == NACRE_MODEL_TABLE
+                   ? set_near(p, item, index, &material, from->material->image[NACRE_ROLE_TABLE])
+                   : NACRE_ERR_UNSUPPORTED;
     if (material.model == NACRE_MODEL_TABLE)
         return set_tables(soft, item, index, &material, from->material->image[NACRE_ROLE_TABLE]);
     return set_spheres(soft, item, index, &material, from->material->image[NACRE_ROLE_SPHERES]);

@@ -11,6 +11,7 @@
 #define SOFT_H
 
 #include "eval.h"
+#include "eval_persp.h"
 #include "nacre_soft.h"
 
 /* What nothing covers; no normal looks so. */
@@ -66,9 +67,19 @@ typedef struct soft_camera { /* of one item, see transform.c */
     int32_t nearest;         /* least w, in the scale of row */
     int64_t inverse;         /* of w, where it is the same everywhere; else 0 */
     int32_t zeros;           /* inverse is 2^(62 - zeros) / w */
+    int64_t depth_step;      /* of z / w, q46, for a step of 16-bit depth */
     uint8_t inside;          /* nothing needs clipping */
     uint8_t half;            /* normals become half of normal + eye */
 } soft_camera;
+
+/* Where pixels are in view space: (z ax + bx, z ay + by, z) with ax, ... linear in the pixel's place and z a quotient of
+   depth: (c - d s) / (s e - f) for s = z / w. */
+typedef struct soft_lens {
+    int64_t a[2], a_step[2], b[2], b_step[2]; /* q30 at pixel 0, a pixel */
+    int32_t c, d, e, f;                       /* q16 */
+    int32_t eye[3];                           /* q14: of a distant viewer */
+    uint8_t near;                             /* 1: directions to the eye differ */
+} soft_lens;
 
 typedef struct soft_item {
     const nacre_mesh *mesh;
@@ -82,6 +93,9 @@ typedef struct soft_item {
     fx_real ambient[3];
     shade_table_eval *table; /* of every light; NULL */
     shade_spheres_eval *spheres;
+    shade_table_persp *near; /* directions per pixel: the table, and its lights */
+    shade_persp_light *near_light;
+    soft_lens lens;
 } soft_item;
 
 struct nacre_soft_kernels {
@@ -149,6 +163,13 @@ void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_each *each, 
 
 /* raster.c */
 void soft_draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item);
+
+/* lens.c */
+/* 0: a camera whose axes are skewed. */
+int soft_lens_set(soft_lens *out, const nacre_soft *soft, const nacre_view *view, const shade_frame *frame);
+/* Pixels x .. x + count - 1 of row y: positions, and directions to the eye. */
+void soft_lens_look(const soft_item *item, int32_t x, int32_t y, const uint16_t *depth, int count,
+                    int32_t *const position[3], uint32_t *eye_xy, int16_t *eye_z);
 
 /* span.c */
 void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to);

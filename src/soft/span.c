@@ -39,10 +39,27 @@ void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, i
     }
 }
 
-/* Up to BATCH pixels of an item, by its own model. */
-static void shade_batch(const nacre_soft *soft, const soft_item *item, uint32_t *xy, int16_t *z, int count,
-                        uint32_t *rgba)
+/* The same with directions per pixel. */
+static void shade_near(const soft_item *item, const uint32_t *xy, const int16_t *z, const uint16_t *depth, int32_t x,
+                       int32_t y, int count, shade_rgb radiance)
 {
+    int32_t place[3][BATCH];
+    int32_t *const position[3] = {place[0], place[1], place[2]};
+    uint32_t eye_xy[BATCH];
+    int16_t eye_z[BATCH];
+    const shade_seen seen = {xy, eye_xy, z, eye_z, {place[0], place[1], place[2]}, count};
+    int i;
+
+    soft_lens_look(item, x, y, depth, count, position, eye_xy, eye_z);
+    for (i = 0; i < item->lights; i++) shade_table_persp_add(item->near, &item->near_light[i], &seen, radiance);
+}
+
+/* Up to BATCH pixels of an item, by its own model. */
+static void shade_batch(const nacre_soft *soft, const soft_item *item, const soft_pixels *from, uint32_t at, int32_t x,
+                        int32_t y, int count, uint32_t *rgba)
+{
+    uint32_t *const xy = from->xy + at;
+    int16_t *const z = from->z + at;
     const nacre_soft_kernels *const k = soft->desc.kernels;
     uint32_t sum[3][BATCH];
     const shade_rgb radiance = {sum[0], sum[1], sum[2]};
@@ -54,6 +71,11 @@ static void shade_batch(const nacre_soft *soft, const soft_item *item, uint32_t 
     }
     k->normalise(xy, z, count);
     shade_rgb_fill(radiance, count, item->ambient);
+    if (item->near) {
+        shade_near(item, xy, z, from->depth + at, x, y, count, radiance);
+        k->encode(radiance, count, (nacre_output)item->output, rgba);
+        return;
+    }
     for (i = 0; i < item->lights; i++) {
         if (item->table)
             k->table_add(&item->table[i], xy, z, count, radiance);
@@ -76,7 +98,7 @@ static void shade_run(const nacre_soft *soft, const soft_item *item, const soft_
     while (count > 0) {
         const int32_t now = count < BATCH ? count : BATCH;
 
-        shade_batch(soft, item, from->xy + at, from->z + at, now, rgba);
+        shade_batch(soft, item, from, at, x, y, now, rgba);
         soft_store(&soft->desc, x, y, rgba, now, to);
         at += (uint32_t)now;
         x += now;

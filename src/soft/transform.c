@@ -145,6 +145,7 @@ void soft_camera_depth(soft_camera *out, int64_t low, int64_t high)
     if (high < low + LEAST_RANGE) high = low + LEAST_RANGE;
     out->depth_low = low;
     out->depth_scale = fx_div((int64_t)SOFT_MOST_DEPTH << 24, high - low);
+    out->depth_step = fx_div((high - low) * 65536, SOFT_MOST_DEPTH >> 15);
 }
 
 /* ---- vertices -------------------------------------------------------------------------------------------------------- */
