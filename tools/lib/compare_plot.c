@@ -7,8 +7,9 @@
 
 enum { WIDTH = 1040, LEFT = 70, TOP = 56, PLOT_WIDTH = 640, PLOT_HEIGHT = 400, LEGEND_X = LEFT + PLOT_WIDTH + 24 };
 
-/* Eight colours that colour-blind readers tell apart: Okabe and Ito 2008, "Color Universal Design". */
-static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+/* Colours that colour-blind readers tell apart: Okabe and Ito 2008, "Color Universal Design", with grey for its yellow. */
+static const char *const colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                      "#e69f00", "#56b4e9", "#000000", "#8a8a8a"};
 enum { COLOURS = sizeof colours / sizeof *colours };
 
 void report_escape(bytes *out, const char *text)
