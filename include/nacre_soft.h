@@ -52,6 +52,7 @@ typedef struct nacre_soft_desc {
     uint8_t max_lights;     /* (1) of an item that is shaded directly, 1..8; items by a lit sphere need none */
     uint8_t table_columns;  /* (32) of the widest table, 2..64 */
     uint8_t fine;           /* (0) 1: tables of the fine tier too */
+    uint8_t blend;          /* (0) 1: items may be blended */
     const nacre_soft_kernels *kernels; /* (portable) */
 } nacre_soft_desc;
 
@@ -97,6 +98,10 @@ typedef struct nacre_soft_item {
     const nacre_soft_lit *lit;      /* (NULL) drawn by this instead of material, which may then be NULL */
     nacre_mat4 object_to_view;      /* this item's; the view's is not used */
     uint8_t cull;                   /* nacre_soft_cull (back faces) */
+    uint8_t alpha_test;             /* (0) pixels whose mask has a lower alpha are not drawn: 1..255 */
+    uint8_t blend;                  /* (0) 1: blended by the mask's alpha over what is there, after all others, as one
+                                        surface; several in their order. desc.blend must be 1 */
+    uint8_t clamp, nearest;         /* (0: repeated, bilinear) how the normal map and the mask are read */
 } nacre_soft_item;
 
 /* Bytes of the object, 0 if desc is not valid:

@@ -5,6 +5,7 @@
 typedef struct corner {
     int32_t clip[4];
     int16_t normal[3];
+    soft_detail detail;
 } corner;
 
 enum { PLANES = 7 };
@@ -32,6 +33,11 @@ static int64_t distance(const int32_t clip[4], int plane)
     }
 }
 
+static int16_t between(int16_t a, int16_t b, int64_t part_q30)
+{
+    return (int16_t)(a + fx_shift((int64_t)(b - a) * part_q30, 30));
+}
+
 /* Where the way from inside to outside meets the plane: from the same end for both triangles at an edge. */
 static void cross(corner *out, const corner *in, const corner *beyond, int64_t d_in, int64_t d_beyond)
 {
@@ -40,9 +46,12 @@ static void cross(corner *out, const corner *in, const corner *beyond, int64_t d
 
     for (i = 0; i < 4; i++)
         out->clip[i] = in->clip[i] + (int32_t)fx_shift(((int64_t)beyond->clip[i] - in->clip[i]) * part_q30, 30);
-    for (i = 0; i < 3; i++)
-        out->normal[i] =
-            (int16_t)(in->normal[i] + fx_shift((int64_t)(beyond->normal[i] - in->normal[i]) * part_q30, 30));
+    for (i = 0; i < 3; i++) {
+        out->normal[i] = between(in->normal[i], beyond->normal[i], part_q30);
+        out->detail.tangent[i] = between(in->detail.tangent[i], beyond->detail.tangent[i], part_q30);
+    }
+    for (i = 0; i < 2; i++) out->detail.uv[i] = between(in->detail.uv[i], beyond->detail.uv[i], part_q30);
+    out->detail.handed = in->detail.handed;
 }
 
 static int clip_plane(const corner *in, int count, int plane, corner *out)
@@ -61,7 +70,7 @@ static int clip_plane(const corner *in, int count, int plane, corner *out)
 }
 
 int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t index[3],
-              soft_vertex out[SOFT_MOST_CORNERS])
+              soft_vertex out[SOFT_MOST_CORNERS], soft_detail detail[SOFT_MOST_CORNERS])
 {
     corner polygon[2][SOFT_MOST_CORNERS + 1];
     int i, k, plane, count = 3;
@@ -72,6 +81,7 @@ int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t inde
 
         soft_clip_position(&item->camera, &item->mesh->vertices[index[i]], c->clip);
         for (k = 0; k < 3; k++) c->normal[k] = v->normal[k];
+        soft_detail_of(item, index[i], &c->detail);
     }
     for (plane = 0; plane < PLANES && count; plane++)
         count = clip_plane(polygon[plane & 1], count, plane, polygon[~plane & 1]);
@@ -81,6 +91,7 @@ int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t inde
 
         soft_project(soft, &item->camera, c->clip, &out[i]);
         for (k = 0; k < 3; k++) out[i].normal[k] = c->normal[k];
+        detail[i] = c->detail;
     }
     return count;
 }

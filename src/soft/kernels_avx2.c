@@ -552,10 +552,10 @@ static void draw(const soft_vertex *const corner[3], int cull, const soft_pixels
     right = most(most(a->x, b->x), c->x);
     top = least(least(a->y, b->y), c->y);
     bottom = most(most(a->y, b->y), c->y);
-    x0 = most(soft_sample(left), to->x0);
-    x1 = least(soft_sample(right), to->x1);
-    y0 = most(soft_sample(top), to->y0);
-    y1 = least(soft_sample(bottom), to->y1);
+    x0 = most(soft_line_of(left), to->x0);
+    x1 = least(soft_line_of(right), to->x1);
+    y0 = most(soft_line_of(top), to->y0);
+    y1 = least(soft_line_of(bottom), to->y1);
     if (x0 >= x1 || y0 >= y1) return;
     if (x1 - x0 <= 8 && right - left < 2048 && bottom - top < 2048)
         fill_small(corner, area, x0, x1, y0, y1, to, item);

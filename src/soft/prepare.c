@@ -105,7 +105,6 @@ static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, 
 
     if (r) return r;
     if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
-    if (from->material->image[NACRE_ROLE_NORMAL]) return NACRE_ERR_UNSUPPORTED;
     shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, shade_needs_persp(view), 2);
     memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
     item->output = view->output;
@@ -126,6 +125,40 @@ static nacre_result set_lit(preparing *p, const nacre_soft_item *from)
     shade_eye(&p->view, from->mesh->centre, eye);
     shade_turn_to_z(eye, p->soft->frame->turn_q28);
     return NACRE_OK;
+}
+
+/* ---- maps -------------------------------------------------------------------------------------------------------------- */
+
+static nacre_result set_texture(soft_texture *out, const nacre_image *image, unsigned flags)
+{
+    if (!image) return NACRE_OK;
+    out->channels = image->format == NACRE_FORMAT_R8      ? 1
+                    : image->format == NACRE_FORMAT_RG8   ? 2
+                    : image->format == NACRE_FORMAT_RGB8  ? 3
+                    : image->format == NACRE_FORMAT_RGBA8 ? 4
+                                                          : 0;
+    out->texels = nacre_image_texels(image, 0, 0, 0, NULL);
+    out->width = image->width;
+    out->height = image->height;
+    out->flags = (uint8_t)flags;
+    return out->channels && out->texels ? NACRE_OK : NACRE_ERR_UNSUPPORTED;
+}
+
+static nacre_result set_maps(const preparing *p, soft_item *item, const nacre_soft_item *from)
+{
+    const unsigned flags = (from->clamp ? SOFT_CLAMP : 0) | (from->nearest ? SOFT_NEAREST : 0);
+    nacre_result r = NACRE_OK;
+
+    item->blend = from->blend;
+    item->alpha_least = from->alpha_test;
+    if (from->blend && !p->soft->desc.blend) return NACRE_ERR_BUDGET;
+    if (from->material) {
+        r = set_texture(&item->normal_map, from->material->image[NACRE_ROLE_NORMAL], flags);
+        if (!r && item->normal_map.texels && item->normal_map.channels < 3) r = NACRE_ERR_UNSUPPORTED;
+        if (!r) r = set_texture(&item->mask, from->material->image[NACRE_ROLE_MASK], flags);
+    }
+    item->mapped = item->normal_map.texels || item->mask.texels || item->blend;
+    return r;
 }
 
 /* ---- items ------------------------------------------------------------------------------------------------------------- */
@@ -151,6 +184,7 @@ static nacre_result add_item(preparing *p, const nacre_soft_item *from, const na
     p->view = *view;
     p->view.object_to_view = from->object_to_view;
     r = from->lit ? set_lit(p, from) : set_material(p, item, index, from);
+    if (!r) r = set_maps(p, item, from);
     if (r) return r;
     soft_camera_set(&item->camera, from, &p->view, soft->frame->turn_q28, &p->low, &p->high);
     soft->vertex_count += from->mesh->vertex_count;

@@ -1,16 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A triangle's pixels: depth test, and the normals of those in front. */
-#include "soft.h"
-
-static inline void step_edge(soft_edge *e)
-{
-    e->x += e->step;
-    e->rest += e->rest_step;
-    if (e->rest >= e->whole) {
-        e->rest -= e->whole;
-        e->x++;
-    }
-}
+#include "setup.h"
 
 /* Pixels x .. x + count - 1 of a row, the planes' values at x. */
 static inline void fill_span(const soft_triangle *t, const uint32_t value[SOFT_PLANES], const soft_pixels *to,
@@ -67,8 +57,8 @@ static void fill_part(const soft_triangle *t, soft_edge *left, soft_edge *right,
             if (to->item) own_span(t, value[0], to, at, x1 - x0, item);
             fill_span(t, value, to, at, x1 - x0);
         }
-        step_edge(left);
-        step_edge(right);
+        soft_step_edge(left);
+        soft_step_edge(right);
     }
 }
 

@@ -22,8 +22,8 @@ int soft_triangle_rows(const soft_vertex *a, const soft_vertex *b, const soft_ve
     const int32_t top = a->y < b->y ? a->y : b->y, bottom = a->y > b->y ? a->y : b->y;
 
     if (soft_culled(area, cull)) return 0;
-    *y0 = soft_sample(top < c->y ? top : c->y);
-    *y1 = soft_sample(bottom > c->y ? bottom : c->y);
+    *y0 = soft_line_of(top < c->y ? top : c->y);
+    *y1 = soft_line_of(bottom > c->y ? bottom : c->y);
     if (*y0 < 0) *y0 = 0;
     if (*y1 > height) *y1 = height;
     return *y0 < *y1;
@@ -57,9 +57,9 @@ int soft_triangle_set(soft_triangle *out, const soft_vertex *const corner[3], in
     if (middle->y > bottom->y) SWAP(middle, bottom);
     if (top->y > middle->y) SWAP(top, middle);
 #undef SWAP
-    out->y0 = soft_sample(top->y);
-    y1 = soft_sample(middle->y);
-    out->y2 = soft_sample(bottom->y);
+    out->y0 = soft_line_of(top->y);
+    y1 = soft_line_of(middle->y);
+    out->y2 = soft_line_of(bottom->y);
     if (out->y0 < to->y0) out->y0 = to->y0;
     if (out->y2 > to->y1) out->y2 = to->y1;
     if (out->y0 >= out->y2) return 0;

@@ -86,9 +86,19 @@ static inline void soft_set_normals(soft_plane plane[SOFT_PLANES], const soft_sl
 }
 
 /* First sample row at or below y, or column at or right of x. */
-static inline int32_t soft_sample(int32_t y)
+static inline int32_t soft_line_of(int32_t y)
 {
     return (y + 7) >> 4;
+}
+
+static inline void soft_step_edge(soft_edge *e)
+{
+    e->x += e->step;
+    e->rest += e->rest_step;
+    if (e->rest >= e->whole) {
+        e->rest -= e->whole;
+        e->x++;
+    }
 }
 
 /* Planes begin at the first corner's pixel, whatever part is drawn: no band changes a bit. */

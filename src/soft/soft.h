@@ -62,15 +62,33 @@ typedef struct soft_pixels {
 typedef struct soft_camera { /* of one item, see transform.c */
     int64_t row[4][4];       /* clip = (row . (position, 32768)) >> 15: one common scale, below 2^30 */
     int32_t normal[3][3];    /* q15: a vertex's normal into the turned frame, not longer */
-    int64_t depth_low;       /* z / w, q30, that is depth 0 */
-    int64_t depth_scale;     /* q24 */
-    int32_t nearest;         /* least w, in the scale of row */
-    int64_t inverse;         /* of w, where it is the same everywhere; else 0 */
-    int32_t zeros;           /* inverse is 2^(62 - zeros) / w */
-    int64_t depth_step;      /* of z / w, q46, for a step of 16-bit depth */
-    uint8_t inside;          /* nothing needs clipping */
-    uint8_t half;            /* normals become half of normal + eye */
+    int32_t tangent[3][3];   /* the same for tangents */
+    uint8_t mirrored;
+    int64_t depth_low;   /* z / w, q30, that is depth 0 */
+    int64_t depth_scale; /* q24 */
+    int32_t nearest;     /* least w, in the scale of row */
+    int64_t inverse;     /* of w, where it is the same everywhere; else 0 */
+    int32_t zeros;       /* inverse is 2^(62 - zeros) / w */
+    int64_t depth_step;  /* of z / w, q46, for a step of 16-bit depth */
+    uint8_t inside;      /* nothing needs clipping */
+    uint8_t half;        /* normals become half of normal + eye */
 } soft_camera;
+
+typedef struct soft_detail { /* of a corner of a mapped triangle */
+    int16_t tangent[3];      /* q14, turned */
+    int16_t handed;          /* +-1 */
+    int16_t uv[2];           /* q11 */
+} soft_detail;
+
+#define SOFT_CLAMP   1u
+#define SOFT_NEAREST 2u
+
+typedef struct soft_texture {
+    const uint8_t *texels; /* NULL: none */
+    uint16_t width, height;
+    uint8_t channels; /* bytes a texel */
+    uint8_t flags;
+} soft_texture;
 
 /* Where pixels are in view space: (z ax + bx, z ay + by, z) with ax, ... linear in the pixel's place and z a quotient of
    depth: (c - d s) / (s e - f) for s = z / w. */
@@ -96,6 +114,10 @@ typedef struct soft_item {
     shade_table_persp *near; /* directions per pixel: the table, and its lights */
     shade_persp_light *near_light;
     soft_lens lens;
+    soft_texture normal_map, mask;
+    uint8_t mapped;      /* drawn by mapped.c */
+    uint8_t alpha_least; /* mask alpha below it is not drawn */
+    uint8_t blend;
 } soft_item;
 
 struct nacre_soft_kernels {
@@ -140,13 +162,14 @@ void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_
                      int64_t *low, int64_t *high);
 void soft_camera_depth(soft_camera *out, int64_t low, int64_t high);
 void soft_transform(const nacre_soft *soft, const soft_camera *camera, const nacre_mesh *mesh, soft_vertex *out);
+void soft_to_half(int16_t n[3]);
 void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_t clip[4]);
 void soft_project(const nacre_soft *soft, const soft_camera *camera, const int32_t clip[4], soft_vertex *out);
 
 /* clip.c: the part of a triangle inside the frustum (and 4 frames around it); returns the corners of a convex polygon. */
 enum { SOFT_MOST_CORNERS = 9 };
 int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t index[3],
-              soft_vertex out[SOFT_MOST_CORNERS]);
+              soft_vertex out[SOFT_MOST_CORNERS], soft_detail detail[SOFT_MOST_CORNERS]);
 
 /* setup.c */
 /* Rows *y0..*y1-1 of the frame that a triangle touches. 0: none, or culled (nacre_soft_cull). */
@@ -164,6 +187,14 @@ void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_each *each, 
 /* raster.c */
 void soft_draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item);
 
+/* mapped.c: triangles with normal maps and masks */
+void soft_detail_of(const soft_item *item, uint32_t index, soft_detail *out);
+void soft_draw_mapped(const soft_item *item, const soft_vertex *const corner[3], const soft_detail *const detail[3],
+                      const soft_pixels *to, unsigned index);
+
+/* sample.c: codes x 65536 at u v (q27 a repetition; rows from the top) */
+void soft_sample(const soft_texture *t, int32_t u_q27, int32_t v_q27, int32_t out[4]);
+
 /* lens.c */
 /* 0: a camera whose axes are skewed. */
 int soft_lens_set(soft_lens *out, const nacre_soft *soft, const nacre_view *view, const shade_frame *frame);
@@ -175,9 +206,12 @@ void soft_lens_look(const soft_item *item, int32_t x, int32_t y, const uint16_t 
 void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to);
 /* Columns x0..x1-1 of a row, all of them covered by one item or empty. */
 void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row, void *to);
+/* The same for one item over what is there, its alpha in from->item. */
+void soft_blend_row(const nacre_soft *soft, const soft_item *item, const soft_pixels *from, int32_t row, void *to);
 
 /* store.c */
 unsigned soft_pixel_bytes(unsigned format);
+void soft_load(const nacre_soft_desc *desc, const void *from, int count, uint32_t *rgba);
 void soft_store(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, void *to);
 
 #endif

@@ -118,6 +118,44 @@ static void clear_run(const nacre_soft *soft, int32_t x, int32_t y, int32_t coun
         soft_store(&soft->desc, x, y, rgba, count < BATCH ? count : BATCH, to);
 }
 
+static uint32_t mixed(uint32_t under, uint32_t over, uint32_t alpha)
+{
+    uint32_t out = 0;
+    int shift;
+
+    for (shift = 0; shift < 24; shift += 8) {
+        const uint32_t sum = (under >> shift & 255) * (255 - alpha) + (over >> shift & 255) * alpha;
+
+        out |= ((sum * 257 + 32896) >> 16) << shift;
+    }
+    /* what is under it may be transparent itself */
+    return out | (((under >> 24) * (255 - alpha) + 255 * alpha) * 257 + 32896) >> 16 << 24;
+}
+
+void soft_blend_row(const nacre_soft *soft, const soft_item *item, const soft_pixels *from, int32_t row, void *to)
+{
+    const unsigned bytes = soft_pixel_bytes(soft->desc.format);
+    const uint32_t line = (uint32_t)((row - from->row0) * from->stride);
+    int32_t x;
+
+    for (x = from->x0; x < from->x1; x++) {
+        const uint32_t at = line + (uint32_t)x;
+        uint8_t *const pixel = (uint8_t *)to + (uint32_t)x * bytes;
+        uint32_t under, over[1];
+
+        if (from->xy[at] == SOFT_EMPTY) continue;
+        soft_load(&soft->desc, pixel, 1, &under);
+        if (item->lit) {
+            soft->desc.kernels->lit(item->lit, from->xy + at, from->z + at, 1, bytes, pixel);
+            soft_load(&soft->desc, pixel, 1, over);
+        } else {
+            shade_batch(soft, item, from, at, x, row, 1, over);
+        }
+        over[0] = mixed(under, over[0], from->item[at]);
+        soft_store(&soft->desc, x, row, over, 1, pixel);
+    }
+}
+
 /* How many of the pixels at p are covered by what covers the first, or empty as it is. */
 static int32_t run_length(const soft_pixels *from, uint32_t at, int32_t most)
 {

@@ -56,6 +56,29 @@ static void store_rgba(const uint32_t *rgba, int count, uint8_t *to)
 #endif
 }
 
+void soft_load(const nacre_soft_desc *desc, const void *from, int count, uint32_t *rgba)
+{
+    const uint16_t *const pixel = from;
+    const uint8_t *const byte = from;
+    int i;
+
+    for (i = 0; i < count; i++) {
+        uint32_t p;
+
+        if (desc->format == NACRE_SOFT_RGBA8) {
+            rgba[i] = (uint32_t)byte[4 * i] | (uint32_t)byte[4 * i + 1] << 8 | (uint32_t)byte[4 * i + 2] << 16 |
+                      (uint32_t)byte[4 * i + 3] << 24;
+        } else if (desc->format == NACRE_SOFT_GRAY8) {
+            rgba[i] = byte[i] * 0x010101u | 255u << 24;
+        } else {
+            p = desc->format == NACRE_SOFT_RGB565_SWAPPED ? (uint32_t)(pixel[i] >> 8 | (pixel[i] & 255) << 8)
+                                                          : pixel[i];
+            rgba[i] = ((p >> 11) * 527 + 23) >> 6 | (((p >> 5 & 63) * 259 + 33) >> 6) << 8 |
+                      (((p & 31) * 527 + 23) >> 6) << 16 | 255u << 24;
+        }
+    }
+}
+
 void soft_store(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, void *to)
 {
     uint8_t *const gray = to;

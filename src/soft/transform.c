@@ -57,15 +57,32 @@ static void set_rows(soft_camera *out, const nacre_view *view, const nacre_mat4 
     for (i = 0; i < 16; i++) out->row[i / 4][i % 4] = scaled(out->row[i / 4][i % 4], shift);
 }
 
-/* Inverse transpose of the object's matrix, turned to the eye; its Frobenius norm is at most 1 in q15. */
+/* turn x m, its Frobenius norm at most 1 in q15. m: below 2^30. */
+static void set_turned(int32_t out[3][3], int32_t turn[3][3], const int64_t m[9], int sign)
+{
+    int64_t turned[9];
+    uint64_t sum = 0;
+    int i, k;
+
+    for (i = 0; i < 9; i++) {
+        turned[i] = 0;
+        for (k = 0; k < 3; k++) turned[i] += (int64_t)turn[i / 3][k] * m[3 * k + i % 3];
+        turned[i] *= sign;
+    }
+    level(turned, 9, 15);
+    for (i = 0; i < 9; i++) sum += (uint64_t)(turned[i] * turned[i]);
+    sum = fx_isqrt(sum) + 1;
+    for (i = 0; i < 9; i++) out[i / 3][i % 3] = (int32_t)fx_div(turned[i] * 32767, (int64_t)sum);
+}
+
+/* Normals by the inverse transpose of the object's matrix, tangents by itself, both turned to the eye. */
 static void set_normals(soft_camera *out, const nacre_mat4 *object, int32_t turn[3][3])
 {
     int64_t linear[9], cofactor[9], all = 0;
-    uint64_t sum = 0;
-    int i, j, k;
+    int i, j;
 
     for (i = 0; i < 9; i++) linear[i] = object->m[i % 3 * 4 + i / 3];
-    level(linear, 9, 30);
+    level(linear, 9, 29);
     for (i = 0; i < 3; i++)
         for (j = 0; j < 3; j++) {
             const int r = (i + 1) % 3, s = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
@@ -74,16 +91,9 @@ static void set_normals(soft_camera *out, const nacre_mat4 *object, int32_t turn
         }
     level(cofactor, 9, 29);
     for (i = 0; i < 3; i++) all += fx_shift(linear[i] * cofactor[i], 2);
-    for (i = 0; i < 3; i++)
-        for (j = 0; j < 3; j++) {
-            linear[3 * i + j] = 0;
-            for (k = 0; k < 3; k++) linear[3 * i + j] += (int64_t)turn[i][k] * cofactor[3 * k + j];
-            if (all < 0) linear[3 * i + j] = -linear[3 * i + j];
-        }
-    level(linear, 9, 15);
-    for (i = 0; i < 9; i++) sum += (uint64_t)(linear[i] * linear[i]);
-    sum = fx_isqrt(sum) + 1;
-    for (i = 0; i < 9; i++) out->normal[i / 3][i % 3] = (int32_t)fx_div(linear[i] * 32767, (int64_t)sum);
+    out->mirrored = all < 0;
+    set_turned(out->normal, turn, cofactor, all < 0 ? -1 : 1);
+    set_turned(out->tangent, turn, linear, 1);
 }
 
 static void clip_point(const soft_camera *camera, const int32_t p[3], int64_t out[4])
@@ -135,7 +145,7 @@ void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_
         out->zeros = fx_leading_zeros((uint32_t)out->row[3][3]);
         out->inverse = fx_reciprocal((uint32_t)out->row[3][3] << out->zeros);
     }
-    out->half = item->lit != 0;
+    out->half = item->lit && !(item->material && item->material->image[NACRE_ROLE_NORMAL]);
 }
 
 void soft_camera_depth(soft_camera *out, int64_t low, int64_t high)
@@ -184,7 +194,7 @@ void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_
 
 /* Half of normal + eye, held within 47.7 degrees of the eye: convex, so that no interpolated one leaves the picture of a
    lit sphere. */
-static void to_half(int16_t n[3])
+void soft_to_half(int16_t n[3])
 {
     const int32_t x = n[0] >> 1, y = n[1] >> 1, z = (n[2] + 16384) >> 1, across = x * x + y * y;
 
@@ -216,7 +226,7 @@ static void turn_normal(const soft_camera *camera, const int16_t from[4], int16_
     shade_normalise(&xy, &out[2], 1);
     out[0] = (int16_t)(xy & 65535u);
     out[1] = (int16_t)(xy >> 16);
-    if (camera->half) to_half(out);
+    if (camera->half) soft_to_half(out);
 }
 
 void soft_transform(const nacre_soft *soft, const soft_camera *camera, const nacre_mesh *mesh, soft_vertex *out)

@@ -36,12 +36,20 @@ static void note(totals *t, const compare_result *r)
     t->all += SIZE * SIZE;
 }
 
-/* Within 2 codes. Beyond: texture filters weigh in 1/256 there, which shows near white, most in linear light; outlines of parts before others
-   are one pixel wide. */
+/* Within 2 codes but for these parts of the pixels. GLES filters textures in steps of 1/256, which shows near white, in
+   linear light, with directions per pixel and with normal maps, where it is up to 6 codes off the double renderer (this
+   one 3); outlines of parts before others are one pixel wide. */
+static double beyond_of(const frame_case *c)
+{
+    const int plain = !c->mesh && !c->normal_map && !c->points && c->camera != CASE_PERSPECTIVE;
+
+    return c->normal_map ? 0.08 : plain && c->output != NACRE_OUTPUT_LINEAR ? 0.004 : 0.05;
+}
+
 static int against_gles(const frame_case *c, const scene *s, const nacre_material *material, const image_u8 *actual,
                         totals *t)
 {
-    const compare_bound bound = {-2, 2, c->mesh || c->output == NACRE_OUTPUT_LINEAR ? 0.02 : 0.004, 0.001};
+    const compare_bound bound = {-2, 2, beyond_of(c), 0.006};
     char name[200];
     image_u8 expected;
     compare_result r = {0};
@@ -68,6 +76,7 @@ static int run_case(const frame_case *c, totals *t)
     char name[200];
     image_u8 actual, expected;
     case_asset asset;
+    compare_bound bound;
     failure f = {0};
     scene s;
     mesh shape;
