@@ -93,7 +93,10 @@ static int run_case(const frame_case *c, totals *t)
     } else {
         snprintf(name, sizeof name, "soft: %s", c->name);
         scene_draw_double(&s, asset.decoded, asset.albedo, c->normal_map ? &asset.normal_map : NULL, &expected, &f);
-        ok = compare_frames(name, &actual, &expected, c->mesh != NULL, c->lit ? &nearest_texel : c->fp32, NULL);
+        bound = c->lit ? nearest_texel : *c->fp32;
+        /* the plane's right edge is 1/100 pixel beyond a column of centres: vertices are held in 1/16 */
+        if (bound.coverage > 0) bound.coverage = 0.006;
+        ok = compare_frames(name, &actual, &expected, c->mesh != NULL, &bound, NULL);
         if (!c->lit) ok &= against_gles(c, &s, &asset.material, &actual, t);
         image_u8_free(&actual);
         image_u8_free(&expected);
