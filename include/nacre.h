@@ -111,7 +111,7 @@ typedef enum nacre_model {
     NACRE_MODEL_NONE = 0,
     NACRE_MODEL_TABLE,   /* half-vector table: one image, one fetch per light (fine tier: two) */
     NACRE_MODEL_SPHERES, /* sphere images per light polar angle (Mihalik & Durikovic 2015) */
-    NACRE_MODEL_SBRDF    /* Lafortune lobes per texel (McAllister et al. 2002) */
+    NACRE_MODEL_SBRDF    /* albedo and lobes: 1 to 3 Lafortune lobes per texel (McAllister et al. 2002) */
 } nacre_model;
 
 /* What an image is for. A material names its images by role; a model uses those it knows. */
@@ -122,6 +122,7 @@ typedef enum nacre_role {
     NACRE_ROLE_MASK,    /* any format with uv: R how much of the second lit sphere, alpha what is written to alpha */
     NACRE_ROLE_ALBEDO,  /* SBRDF: diffuse albedo, opacity */
     NACRE_ROLE_LOBES,   /* SBRDF: two layers per lobe: lobe albedo; Cx Cy Cz n */
+    NACRE_ROLE_POWER,   /* SBRDF, may be missing: table of x^n, for GPUs that look it up faster than they compute it */
     NACRE_ROLE_COUNT
 } nacre_role;
 

@@ -157,9 +157,9 @@
 #define NACRE_CODE_STEPS    127 /* codes from there to shape[j], and to 1 */
 #define NACRE_EXPONENT_MOST 255
 
-/* role "power" (SBRDF model): x^n for 0 <= x <= 1, to be filtered linearly. One layer, one level, transfer "linear"; R8:
-   code/255, or RG8: (256 R + G)/65535, which linear filters keep. Column i of W is x' = x^2 = (i + 1/2)/(W - 1/2), so that
+/* role "power" (SBRDF model): x^n for 0 <= x <= 1, to be filtered linearly. R8, one layer, one level, transfer "root": x^n is
+   the square of what is filtered, so that tails of highlights are as smooth as display codes. Column i of W is x' = x^2 = (i + 1/2)/(W - 1/2), so that
    u = x' (W - 1/2)/W; row j of H is n' = (j + 1/2)/H, n = 255 n'^2, so that v is the exponent's code/255 as it is sampled.
-   Values lie a little below the power's, half of what a chord lies above it; x = 1 is exact. */
+   Values lie a little below the root's, half of what a chord lies above it; x = 1 is exact. */
 
 #endif

@@ -16,6 +16,14 @@ typedef struct nacre_gles_item {
     uint32_t id;
 } nacre_gles_item; /* 0 is never valid */
 
+/* How x^n of SBRDF materials is found. A table takes a texture unit: where none of 8 is left (three lobes with a normal
+   map), and where the material has none, it is computed. */
+typedef enum nacre_gles_power {
+    NACRE_GLES_POWER_AUTO = 0,
+    NACRE_GLES_POWER_COMPUTED, /* log2 and exp2 */
+    NACRE_GLES_POWER_TABLE     /* the material's NACRE_ROLE_POWER */
+} nacre_gles_power;
+
 typedef struct nacre_gles_desc {
     void *(*get_proc)(void *user, const char *name); /* required; all GL entry points come from it */
     nacre_log_fn log;                                /* (none) shader and link texts in full */
@@ -25,6 +33,7 @@ typedef struct nacre_gles_desc {
     uint8_t max_programs;      /* (8) programs kept; the least recently used is dropped */
     uint16_t max_textures;     /* (48) texture objects: one for each layer of each image; items share them */
     uint8_t host_resets_state; /* (0) 1: draw and bind query nothing and leave changed what nacre_gles_state lists */
+    uint8_t power;             /* nacre_gles_power (as this device does it faster) */
     uint8_t prefer_es2;        /* (0) 1: GLSL ES 1.00 texts also on a GLES 3 context */
 } nacre_gles_desc;
 

@@ -42,11 +42,16 @@ varying UNIT vec3 v_normal; // SPHERE: see frame.vert
 varying HIGHP vec2 v_at;
 varying UNIT vec3 v_axis;
 #endif
-#if NORMAL_MAP
-varying mediump vec3 v_tangent;
-varying mediump vec3 v_bitangent;
+// Spatially varying, one directional light: its direction in the frame of the vertex in place of the frame.
+#define OWN_FRAME (SBRDF && LIGHTS == 1 && !PERSP && !NORMAL_MAP && !PASS)
+#if NORMAL_MAP || (SBRDF && LIGHTS && !OWN_FRAME)
+#define FRAME 1
+varying UNIT vec3 v_tangent;
+varying UNIT vec3 v_bitangent;
+#else
+#define FRAME 0
 #endif
-#if NORMAL_MAP || MASK
+#if NORMAL_MAP || MASK || SBRDF
 varying HIGHP vec2 v_uv;
 #endif
 #if PERSP

@@ -5,7 +5,7 @@
 uniform sampler2D u_normal_map;
 #endif
 #if AMBIENT
-uniform vec4 u_ambient[1]; // radiance
+uniform vec4 u_ambient[1 + SBRDF]; // radiance; SBRDF: [1] x diffuse albedo besides
 #endif
 #if PASS
 uniform HIGHP sampler2D u_sum_high;
@@ -48,6 +48,12 @@ vec3 encode_root(vec3 s)
 #endif
 }
 
+#if SBRDF
+#define LIMITED(c) clamp(c, 0.0, 1.0)
+#else
+#define LIMITED(c) min(c, 1.0)
+#endif
+
 vec3 encode(vec3 radiance)
 {
 #if OUTPUT == OUTPUT_LINEAR
@@ -57,17 +63,26 @@ vec3 encode(vec3 radiance)
     vec3 curve = exp2(log2(clamp(radiance, 0.00006103516, 1.0)) * (1.0 / 2.4)) * 1.055 - 0.055;
     return mix(max(radiance, 0.0) * 12.92, curve, step(0.0031308, radiance));
 #else
-    return encode_root(sqrt(min(radiance, 1.0)));
+    return encode_root(sqrt(LIMITED(radiance)));
 #endif
 }
 
 void main()
 {
-#if LIGHTS
+#if LIGHTS && !OWN_FRAME
     UNIT vec3 n = surface_normal();
 #if PERSP
     UNIT vec3 v = normalize(u_eye[0].xyz - u_eye[0].w * v_position);
 #endif
+#if SBRDF
+#if PERSP
+    surface(n, v);
+#else
+    surface(n, vec3(0.0, 0.0, 1.0));
+#endif
+#endif
+#elif SBRDF && !LIGHTS
+    g_albedo = texture2D(u_map[0], v_uv);
 #endif
 #if FORM == FORM_SRGB
     vec3 color = LIGHT(0);
@@ -81,7 +96,7 @@ void main()
 #else
     vec3 sum = vec3(0.0);
 #endif
-#if AMBIENT
+#if AMBIENT && !SBRDF
     sum += u_ambient[0].rgb;
 #endif
 #if LIGHTS > 0
@@ -108,6 +123,9 @@ void main()
 #if LIGHTS > 7
     sum += LIGHT(7);
 #endif
+#if AMBIENT && SBRDF
+    sum += u_ambient[0].rgb + u_ambient[1].rgb * g_albedo.rgb;
+#endif
 #if PASS == PASS_SUM
     HIGHP vec3 steps = min(sum, 1.0) * (65535.0 / 256.0) + 0.5 / 256.0; // nearest k, / 256
     HIGHP vec3 high = min(floor(steps), 255.0);
@@ -124,5 +142,9 @@ void main()
     vec3 color = encode(sum);
 #endif
 #endif
+#if SBRDF && PASS != PASS_SUM
+    gl_FragColor = vec4(color, g_albedo.a);
+#else
     gl_FragColor = vec4(color, 1.0);
+#endif
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 attribute vec3 a_position;
 attribute vec3 a_normal;
-#if NORMAL_MAP
+#if FRAME || OWN_FRAME
 attribute vec4 a_tangent;
 uniform mat3 u_tangent;
 #endif
-#if NORMAL_MAP || MASK
+#if NORMAL_MAP || MASK || SBRDF
 attribute vec2 a_uv;
 uniform vec4 u_uv;
 #endif
@@ -15,6 +15,11 @@ uniform vec4 u_centre;
 uniform mat3 u_normal;
 #if PERSP
 uniform mat4 u_view;
+#endif
+#if OWN_FRAME
+uniform vec4 u_light[1]; // l
+varying vec3 v_eye;
+varying vec3 v_light;
 #endif
 
 void main()
@@ -30,11 +35,17 @@ void main()
     vec4 p = vec4(a_position * u_extent.xyz + u_centre.xyz, 1.0);
     gl_Position = u_clip * p;
     v_normal = normalize(u_normal * a_normal);
-#if NORMAL_MAP
+#if FRAME
     v_tangent = normalize(u_tangent * a_tangent.xyz);
     v_bitangent = cross(v_normal, v_tangent) * (sign(a_tangent.w) * u_extent.w);
+#elif OWN_FRAME
+    vec3 t = u_tangent * a_tangent.xyz;
+    t = normalize(t - v_normal * dot(v_normal, t));
+    vec3 b = cross(v_normal, t) * (sign(a_tangent.w) * u_extent.w);
+    v_eye = vec3(t.z, b.z, v_normal.z);
+    v_light = vec3(dot(t, u_light[0].xyz), dot(b, u_light[0].xyz), dot(v_normal, u_light[0].xyz));
 #endif
-#if NORMAL_MAP || MASK
+#if NORMAL_MAP || MASK || SBRDF
     v_uv = a_uv * u_uv.xy + u_uv.zw;
 #endif
 #if PERSP

@@ -16,11 +16,12 @@ static json power_figures(const power_file *p, const char *path, size_t size)
     json_text(&j, "file", path);
     json_int(&j, "width", p->width);
     json_int(&j, "height", p->height);
-    json_int(&j, "bits", p->bits);
-    json_int(&j, "texel_bytes", (long long)p->width * p->height * p->bits / 8);
+    json_int(&j, "texel_bytes", (long long)p->width * p->height);
     json_int(&j, "file_bytes", (long long)size);
     json_real(&j, "error_n50", power_file_error(p, 50));
     json_real(&j, "error_n255", power_file_error(p, 255));
+    json_real(&j, "root_error_n50", power_file_root_error(p, 50));
+    json_real(&j, "root_error_n255", power_file_root_error(p, 255));
     json_end(&j, '}');
     return j;
 }
@@ -28,29 +29,28 @@ static json power_figures(const power_file *p, const char *path, size_t size)
 int bake_power(int argc, char **argv, failure *f)
 {
     bake_common c = {0};
-    power_file p = {.width = 256, .height = 256, .bits = 16};
+    power_file p = {.width = 256, .height = 256};
     const char *size = NULL;
     int operands;
     const option table[] = {
         BAKE_OPTIONS(c),
         {"--size", OPTION_TEXT, &size, 0, 0, "WxH", "texels over x' = x^2 and n', 2..4096 (256x256)"},
-        {"--bits", OPTION_INT, &p.bits, 8, 16, "N", "8: one channel; 16: two (16)"},
     };
     int code = options_parse(argc, argv, "nacre bake power -o F.ktx2 [options]", table, sizeof table / sizeof *table,
                              NULL, &operands, 0, 0, f);
     if (code || (code = bake_check(&c, "bake power", NULL, f))) return code;
     if (size && (code = parse_size(size, "--size", NACRE_MAX_TEXELS, &p.width, &p.height, f))) return code;
     if (p.width < 2 || p.height < 2) return fail(f, FAIL_USAGE, "--size %s: expected WxH, each 2..4096", size);
-    if (p.bits != 8 && p.bits != 16) return fail(f, FAIL_USAGE, "--bits %d: expected 8 or 16", p.bits);
 
     bytes file = {0};
     power_file_write(&p, &file);
     json figures = power_figures(&p, c.output, file.size);
     code = bake_write_outputs(&c, &file, NULL, &figures, f);
     if (!code && bake_prints(&c))
-        printf("%s: x^n, %d x %d, %d bits, %d bytes of texels; error at n = 50 / 255: %.4f / %.4f of the peak\n",
-               c.output, p.width, p.height, p.bits, p.width * p.height * p.bits / 8, power_file_error(&p, 50),
-               power_file_error(&p, 255));
+        printf("%s: x^n, %d x %d, %d bytes of texels; error at n = 50 / 255: %.4f / %.4f of the peak, of roots %.4f / "
+               "%.4f\n",
+               c.output, p.width, p.height, p.width * p.height, power_file_error(&p, 50), power_file_error(&p, 255),
+               power_file_root_error(&p, 50), power_file_root_error(&p, 255));
     bytes_free(&file);
     return code;
 }

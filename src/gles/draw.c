@@ -53,6 +53,10 @@ static int has_ambient(const nacre_view *view)
 static void key_model(gles_key *key, const shade_material *material)
 {
     const shade_table *t = &material->is.table;
+    if (material->model == NACRE_MODEL_SBRDF) {
+        key->model = GLES_KEY_SBRDF;
+        return;
+    }
     if (material->model == NACRE_MODEL_SPHERES) {
         const shade_spheres *s = &material->is.spheres;
         key->model = s->cosine ? GLES_KEY_PAPER : s->size ? GLES_KEY_QUARTER : GLES_KEY_SPHERES;
@@ -61,6 +65,53 @@ static void key_model(gles_key *key, const shade_material *material)
     key->model = material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
     key->phid = (uint8_t)(material->fine || t->w[0] || t->w[1] || t->w[2]);
     key->power48 = t->p > 4 * NACRE_Q16_ONE + NACRE_Q16_ONE / 2; /* 4 or 4.8, see material.c */
+}
+
+/* Lobes that a pass takes: with the textures of a sum there is room for two. */
+static unsigned pass_lobes(const gles_draw *draw, unsigned pass)
+{
+    const unsigned lobes = draw->item->material.is.sbrdf.lobes;
+    const unsigned left = lobes - draw->first_lobe;
+    if (pass != GLES_PASS_SUM) return lobes;
+    return left < 2 ? left : 2;
+}
+
+int gles_pass_next_lobes(gles_draw *draw)
+{
+    if (draw->item->material.model != NACRE_MODEL_SBRDF || draw->lit[0]) return 0;
+    draw->first_lobe = (uint8_t)(draw->first_lobe + pass_lobes(draw, GLES_PASS_SUM));
+    if (draw->first_lobe < draw->item->material.is.sbrdf.lobes) return 1;
+    draw->first_lobe = 0;
+    return 0;
+}
+
+/* By the power table where the device is better at it, or the application wants it, and a unit is left. */
+static int uses_power_table(const nacre_gles *gles, const gles_key *key, const shade_sbrdf *sbrdf)
+{
+    gles_key k = *key;
+    if (!sbrdf->power_width || gles->desc.power == NACRE_GLES_POWER_COMPUTED) return 0;
+    if (gles->desc.power != NACRE_GLES_POWER_TABLE && !gles->caps.power_table) return 0;
+    k.power = 1;
+    k.pass = GLES_PASS_NONE; /* all passes alike */
+    k.no_diffuse = 0;
+    k.lobes = sbrdf->lobes;
+    k.direction = sbrdf->direction;
+    if (gles_key_units(&k) > gles->caps.units) return 0;
+    k.pass = key->pass;
+    if (k.pass && k.lobes > 2) k.lobes = 2;
+    return gles_key_units(&k) <= gles->caps.units;
+}
+
+static void key_sbrdf(const nacre_gles *gles, gles_key *key, const gles_draw *draw)
+{
+    const shade_sbrdf *sbrdf = &draw->item->material.is.sbrdf;
+    key->lobes = (uint8_t)pass_lobes(draw, key->pass);
+    key->direction = sbrdf->direction;
+    if (key->pass == GLES_PASS_SUM && draw->first_lobe) {
+        key->direction *= 2;
+        key->no_diffuse = 1;
+    }
+    key->power = (uint8_t)uses_power_table(gles, key, sbrdf);
 }
 
 void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, unsigned lights, unsigned pass)
@@ -85,6 +136,7 @@ void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, u
     else if (key->persp && material->model == NACRE_MODEL_SPHERES)
         key->layers =
             gles_key_layer_class(material->is.spheres.layers, gles->caps.units - key->normal_map - (pass ? 2u : 0u));
+    if (key->model == GLES_KEY_SBRDF) key_sbrdf(gles, key, draw);
     gles_key_canonical(key);
 }
 
@@ -140,6 +192,7 @@ static nacre_result begin(nacre_gles *gles, nacre_gles_item id, const nacre_view
     draw->query = !gles->desc.host_resets_state;
     draw->form = -1;
     draw->sphere = 0;
+    draw->first_lobe = 0;
     gles_lit_of(gles, draw->item, view, draw->lit);
     describe_vertices(draw);
     return gles_plan_passes(gles, draw, 0);
@@ -150,6 +203,20 @@ static nacre_result begin(nacre_gles *gles, nacre_gles_item id, const nacre_view
 static gl_uint layer_name(const nacre_gles *gles, const gles_item *item, unsigned role, unsigned layer)
 {
     return gles->textures[item->first_texture[role] + layer].name;
+}
+
+static unsigned sbrdf_textures(const nacre_gles *gles, const gles_draw *draw, const gles_key *key,
+                               gl_uint name[GLES_MAX_UNITS])
+{
+    const gles_item *item = draw->item;
+    unsigned n = 0, i;
+    if (!key->no_diffuse) name[n++] = layer_name(gles, item, NACRE_ROLE_ALBEDO, 0);
+    for (i = 0; i < 2u * key->lobes; i++)
+        name[n++] = layer_name(gles, item, NACRE_ROLE_LOBES, 2u * draw->first_lobe + i);
+    for (i = 0; i < 2; i++)
+        if (gles_key_unit_direction(key, (int)i) >= 0) name[n++] = layer_name(gles, item, NACRE_ROLE_LOBES, 2 * i);
+    if (key->power) name[n++] = layer_name(gles, item, NACRE_ROLE_POWER, 0);
+    return n;
 }
 
 /* The model's own textures, in the order of key.h; returns how many. */
@@ -163,6 +230,7 @@ static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, co
         for (i = 0; i < (key->mask > 1 ? 2u : 1u); i++) name[i] = draw->lit[i]->texture;
         return i;
     }
+    if (key->model == GLES_KEY_SBRDF) return sbrdf_textures(gles, draw, key, name);
     if (!key->lights) return 0;
     if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE) {
         const unsigned layers = key->model == GLES_KEY_FINE ? 2 : 1;
@@ -224,7 +292,8 @@ nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved
     for (i = 0; i < count; i++) gles_texture_bind(gles, saved, i, textures[i], draw->query);
     bind_map(gles, draw, saved, gles_key_unit_normal(key), NACRE_ROLE_NORMAL);
     bind_map(gles, draw, saved, gles_key_unit_mask(key), NACRE_ROLE_MASK);
-    gles_uniforms_set(&gles->gl, &program->at, key, draw->view, &draw->vertices, &draw->frame, first_light);
+    gles_uniforms_set(&gles->gl, &program->at, key, draw->view, &draw->vertices, &draw->frame, first_light,
+                      draw->first_lobe);
     *out = program;
     return NACRE_OK;
 }
@@ -235,8 +304,8 @@ static unsigned attribute_mask(const gles_item *item)
 {
     const unsigned position_normal = 1u << NACRE_GLES_POSITION | 1u << NACRE_GLES_NORMAL;
     const unsigned uv = 1u << NACRE_GLES_UV;
-    if (item->image[NACRE_ROLE_NORMAL]) return position_normal | 1u << NACRE_GLES_TANGENT | uv;
-    return item->image[NACRE_ROLE_MASK] ? position_normal | uv : position_normal;
+    if (gles_item_needs_tangent(item)) return position_normal | 1u << NACRE_GLES_TANGENT | uv;
+    return gles_item_needs_uv(item) ? position_normal | uv : position_normal;
 }
 
 /* nacre_vertex, as GL reads it. */
@@ -365,8 +434,10 @@ nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item id, const nacr
     if (result) return result;
     gles->gl.GetIntegerv(GLES_CURRENT_PROGRAM, &current);
     for (first = 0; draw.sum_lights && first < view->light_count && !result; first += gles_pass_lights(&draw, first)) {
-        gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM);
-        result = gles_program_use(gles, &key, &program);
+        do {
+            gles_key_of(gles, &key, &draw, gles_pass_lights(&draw, first), GLES_PASS_SUM);
+            result = gles_program_use(gles, &key, &program);
+        } while (gles_pass_next_lobes(&draw) && !result);
     }
     gles_key_of(gles, &key, &draw, draw.sum_lights ? 0 : view->light_count,
                 draw.sum_lights ? GLES_PASS_LAST : GLES_PASS_NONE);

@@ -28,6 +28,7 @@ typedef struct gles_caps {
     uint8_t two_framebuffers; /* separate bindings for reading and drawing */
     uint8_t vertex_arrays;
     uint8_t samplers;     /* has sampler objects, which would override our filters */
+    uint8_t power_table;  /* looks x^n up faster than it computes it */
     uint8_t units;        /* texture units that we use, at most GLES_MAX_UNITS */
     uint16_t etc1, etc2;  /* GL format for files of ETC1 and of any ETC2 RGB blocks; 0: none */
     uint16_t max_texture; /* texels a side */
@@ -159,6 +160,9 @@ void gles_delete_all(nacre_gles *gles);
 /* item.c */
 /* NULL for ids that were never given out or are removed. */
 gles_item *gles_item_find(nacre_gles *gles, nacre_gles_item id);
+/* Vertex attributes that its images ask for. */
+int gles_item_needs_tangent(const gles_item *item);
+int gles_item_needs_uv(const gles_item *item);
 
 /* program.c */
 /* The program for key, compiled where needed, made current. */
@@ -199,6 +203,7 @@ typedef struct gles_draw { /* one draw on its way */
     uint32_t id;
     const gles_lit *lit[2]; /* spheres to draw by, NULL: shade directly */
     uint8_t sphere;         /* 1: the picture of a lit sphere */
+    uint8_t first_lobe;     /* sbrdf: of the sum pass under way */
     uint8_t sum_lights;     /* 0: one pass; else passes of so many lights (1, 2, 4 or 8) and a last one without */
     int query;              /* 0 under host_resets_state */
     int form;               /* shade_form of frame, -1: not set up */
@@ -211,6 +216,8 @@ typedef struct gles_draw { /* one draw on its way */
 void gles_key_of(const nacre_gles *gles, gles_key *key, const gles_draw *draw, unsigned lights, unsigned pass);
 /* Lights of the pass that begins with this one. */
 unsigned gles_pass_lights(const gles_draw *draw, unsigned first_light);
+/* Go on to the next pass over the same lights, with the lobes that there was no room for; 0: there is none. */
+int gles_pass_next_lobes(gles_draw *draw);
 /* Program, the model's textures and uniforms of one pass. */
 nacre_result gles_pass_bind(nacre_gles *gles, gles_draw *draw, gles_saved *saved, const gles_key *key,
                             unsigned first_light, gles_program **program);

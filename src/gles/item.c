@@ -79,6 +79,16 @@ gles_item *gles_item_find(nacre_gles *gles, nacre_gles_item id)
     return item->source != GLES_SOURCE_FREE && item->generation == id.id >> 8 ? item : NULL;
 }
 
+int gles_item_needs_tangent(const gles_item *item)
+{
+    return item->image[NACRE_ROLE_NORMAL] != NULL || item->image[NACRE_ROLE_LOBES] != NULL;
+}
+
+int gles_item_needs_uv(const gles_item *item)
+{
+    return gles_item_needs_tangent(item) || item->image[NACRE_ROLE_MASK] != NULL;
+}
+
 static gles_item *free_item(nacre_gles *gles)
 {
     unsigned i;
@@ -221,9 +231,9 @@ static int attribute_is_valid(const nacre_gles_attribute *a, unsigned smallest)
            type_is_known(a->type);
 }
 
-static nacre_result check_buffers(const nacre_gles *gles, const nacre_gles_buffers *b, int normal_map, int mask)
+static nacre_result check_buffers(const nacre_gles *gles, const nacre_gles_buffers *b, int tangent, int uv)
 {
-    const uint8_t smallest[NACRE_GLES_ATTRIBUTE_COUNT] = {2, 3, normal_map ? 4 : 0, normal_map || mask ? 2 : 0};
+    const uint8_t smallest[NACRE_GLES_ATTRIBUTE_COUNT] = {2, 3, tangent ? 4 : 0, uv ? 2 : 0};
     unsigned i;
     if (!b->vertex_buffer || !b->count || b->count % 3 || b->count > INT32_MAX || b->first > INT32_MAX)
         return NACRE_ERR_ARGUMENT;
@@ -247,10 +257,8 @@ static nacre_result open_item(nacre_gles *gles, const nacre_material *material, 
     item = free_item(gles);
     if (!item) return gles_fail(gles, NACRE_ERR_BUDGET, "max_items", NULL);
     item->material = decoded;
-    role = (unsigned)shade_model_role(material->model);
-    item->image[role] = material->image[role];
-    item->image[NACRE_ROLE_NORMAL] = material->image[NACRE_ROLE_NORMAL];
-    item->image[NACRE_ROLE_MASK] = material->image[NACRE_ROLE_MASK];
+    for (role = 0; role < NACRE_ROLE_COUNT; role++)
+        if (shade_model_takes(material->model, (int)role)) item->image[role] = material->image[role];
     *out = item;
     return NACRE_OK;
 }
@@ -298,10 +306,10 @@ nacre_result nacre_gles_add_buffers(nacre_gles *gles, const nacre_gles_buffers *
 {
     gles_item *item;
     nacre_result result;
+    int tangent;
     if (!gles || !out || !material) return NACRE_ERR_ARGUMENT;
-    result = buffers ? check_buffers(gles, buffers, material->image[NACRE_ROLE_NORMAL] != NULL,
-                                     material->image[NACRE_ROLE_MASK] != NULL)
-                     : NACRE_OK;
+    tangent = material->model == NACRE_MODEL_SBRDF || material->image[NACRE_ROLE_NORMAL];
+    result = buffers ? check_buffers(gles, buffers, tangent, tangent || material->image[NACRE_ROLE_MASK]) : NACRE_OK;
     if (!result) result = open_item(gles, material, &item);
     if (result) return result;
     if (buffers) item->is.buffers = *buffers;
@@ -314,7 +322,7 @@ nacre_result nacre_gles_set_buffers(nacre_gles *gles, nacre_gles_item id, const 
     nacre_result result;
     if (!item || !buffers || item->source == GLES_SOURCE_MESH || item->source == GLES_SOURCE_LIT)
         return NACRE_ERR_ARGUMENT;
-    result = check_buffers(gles, buffers, role_used(item, NACRE_ROLE_NORMAL), role_used(item, NACRE_ROLE_MASK));
+    result = check_buffers(gles, buffers, gles_item_needs_tangent(item), gles_item_needs_uv(item));
     if (result) return result;
     item->is.buffers = *buffers;
     item->source = GLES_SOURCE_BUFFERS;

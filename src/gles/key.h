@@ -18,6 +18,7 @@ typedef enum gles_key_model {
     GLES_KEY_SPHERES,
     GLES_KEY_PAPER,
     GLES_KEY_QUARTER,
+    GLES_KEY_SBRDF,
     GLES_KEY_LIT /* draws by lit spheres: no lights of its own */
 } gles_key_model;
 
@@ -42,8 +43,12 @@ typedef struct gles_key {
     uint8_t pass;       /* gles_key_pass */
     uint8_t
         layers; /* persp: spheres and paper: 4, 6 or 8 units; quarter: images / 4, rounded up to 1, 2 or 4; others 0 */
-    uint8_t sphere; /* 1: the picture of a lit sphere, not a mesh (dist; no normal map) */
-    uint8_t mask;   /* lit: 1 alpha from the mask, 2 and a second sphere mixed by it; others 0 */
+    uint8_t sphere;     /* 1: the picture of a lit sphere, not a mesh (dist; no normal map) */
+    uint8_t lobes;      /* sbrdf with lights: 1..3 of this pass; others 0 */
+    uint8_t power;      /* sbrdf: 1: x^n by the table, 0: pow */
+    uint8_t direction;  /* sbrdf: 1: direction of anisotropy a texel, 2: the same in a pass without the first lobe */
+    uint8_t no_diffuse; /* sbrdf, SUM passes: 1: lobes alone, the diffuse albedo is in another pass */
+    uint8_t mask;       /* lit: 1 alpha from the mask, 2 and a second sphere mixed by it; others 0 */
 } gles_key;
 
 #define GLES_KEY_NAME_SIZE 64
@@ -68,18 +73,22 @@ unsigned gles_key_units(const gles_key *key);           /* texture units in use 
 
 /* Texture units, in this order: the model's own from 0: table: 0; fine: 0 and 1 (second layer); spheres dist: 2 i and
    2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i]; quarter: 0.
-   lit: 0, and 1 for a second sphere. Then, where the key has them, the normal map, the mask, and the two bytes of the
+   lit: 0, and 1 for a second sphere. sbrdf: diffuse albedo (not with no_diffuse), layers 2 j and 2 j + 1 of each lobe,
+   layers 0 and 2 where they are needed for the direction and no lobe's (gles_key_unit_direction), power table. Then,
+   where the key has them, the normal map, the mask, and the two bytes of the
    previous sum. -1: none. */
 int gles_key_unit_normal(const gles_key *key);
 int gles_key_unit_mask(const gles_key *key);
-int gles_key_unit_sum(const gles_key *key); /* high; the low one follows */
+int gles_key_unit_sum(const gles_key *key);                 /* high; the low one follows */
+int gles_key_unit_direction(const gles_key *key, int axis); /* of layer 0 (axis 0) or 2 (axis 1) */
 
 /* How light factors are prepared for this program (argument of shade_setup). */
 shade_form gles_key_form(const gles_key *key);
 
 /* Most lights (1..8, or 0 if not even one) that a program like key can take on a device with so many fragment uniform
    vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4, of a sphere also 8); the key's own lights and pass are ignored.
-   Under persp GLSL ES 1.00 programs stop at 4 lights (tables), 2 (spheres, quarter) or 1 (paper): more would be refused by compilers
+   GLSL ES 1.00 programs stop at 4 lights (tables under persp, sbrdf), 2 (spheres, quarter) or 1 (paper) of those under
+   persp: more would be refused by compilers
    of ES 2.0 GPUs. */
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);
 
@@ -87,7 +96,7 @@ unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned unifor
 unsigned gles_key_list(gles_key *out, unsigned count);
 
 #define GLES_TEXT_PARTS   5
-#define GLES_DEFINES_SIZE 512
+#define GLES_DEFINES_SIZE 768
 
 /* Parts of the source for glShaderSource: version and #defines (written to defines, GLES_DEFINES_SIZE bytes), then
    embedded files. Returns the number of parts, at most GLES_TEXT_PARTS. */

@@ -297,8 +297,10 @@ static nacre_result draw_sums(nacre_gles *gles, gles_draw *draw, gles_saved *sav
     *from = 0;
     gles_sum_clear(gles, &sum[0]);
     for (first = 0; first < lights && !result; first += gles_pass_lights(draw, first)) {
-        result = gles_sum_pass(gles, draw, saved, sum, first, *from);
-        *from = 1 - *from;
+        do {
+            result = gles_sum_pass(gles, draw, saved, sum, first, *from);
+            *from = 1 - *from;
+        } while (gles_pass_next_lobes(draw) && !result);
     }
     return result;
 }

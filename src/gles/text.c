@@ -4,9 +4,11 @@
 #include <string.h>
 
 /* shaders_gles/ as byte arrays, made by tools/gen/embed. */
-extern const unsigned char embedded_common_glsl[], embedded_table_glsl[], embedded_spheres_glsl[];
+extern const unsigned char embedded_common_glsl[], embedded_table_glsl[], embedded_spheres_glsl[],
+    embedded_sbrdf_glsl[];
 extern const unsigned char embedded_frame_vert[], embedded_frame_frag[], embedded_lit_frag[];
-extern const unsigned long embedded_common_glsl_size, embedded_table_glsl_size, embedded_spheres_glsl_size;
+extern const unsigned long embedded_common_glsl_size, embedded_table_glsl_size, embedded_spheres_glsl_size,
+    embedded_sbrdf_glsl_size;
 extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size, embedded_lit_frag_size;
 
 /* ES 2.0 minimum. */
@@ -15,6 +17,11 @@ extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size, e
 static int is_table(const gles_key *key)
 {
     return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+}
+
+static int is_sbrdf(const gles_key *key)
+{
+    return key->model == GLES_KEY_SBRDF;
 }
 
 static int is_lit(const gles_key *key)
@@ -40,7 +47,7 @@ static char *put_digit(char *out, unsigned digit)
 
 void gles_key_name(const gles_key *key, char *out)
 {
-    static const char *const model[] = {"table", "fine", "spheres", "paper", "quarter", "lit"};
+    static const char *const model[] = {"table", "fine", "spheres", "paper", "quarter", "sbrdf", "lit"};
     static const char *const output[] = {"_srgb", "_sqrt", "_lin"};
     static const char *const mask[] = {"", "_mask", "_mix"};
 
@@ -52,11 +59,14 @@ void gles_key_name(const gles_key *key, char *out)
         return;
     }
     if (key->model == GLES_KEY_TABLE && key->phid) out = put(out, "_phid");
+    if (key->lobes) out = put_digit(put(out, key->power ? "_table_k" : "_pow_k"), key->lobes);
     out = put_digit(put(out, "_l"), key->lights);
     out = put(out, key->persp ? "_persp" : "_dist");
     out = put(out, output[key->output]);
     if (key->normal_map) out = put(out, "_nm");
     if (key->ambient) out = put(out, "_amb");
+    if (key->direction) out = put(out, key->direction > 1 ? "_dir2" : "_dir");
+    if (key->no_diffuse) out = put(out, "_lobes");
     if (key->layers && key->layers != (key->model == GLES_KEY_QUARTER ? 2 : 4))
         out = put_digit(put(out, "_s"), key->layers);
     if (key->pass) out = put_digit(put(out, "_pass"), key->pass);
@@ -81,7 +91,8 @@ uint8_t gles_key_quarter_class(unsigned images)
 
 shade_form gles_key_form(const gles_key *key)
 {
-    if (key->lights != 1 || key->ambient || key->pass || key->output == NACRE_OUTPUT_LINEAR) return SHADE_LINEAR;
+    if (key->lights != 1 || key->ambient || key->pass || key->output == NACRE_OUTPUT_LINEAR || is_sbrdf(key))
+        return SHADE_LINEAR;
     if (key->model == GLES_KEY_PAPER)
         return key->output == NACRE_OUTPUT_SRGB && !key->persp ? SHADE_SRGB : SHADE_LINEAR;
     return key->output == NACRE_OUTPUT_SRGB && is_table(key) && key->power48 ? SHADE_SRGB : SHADE_ROOT;
@@ -89,10 +100,11 @@ shade_form gles_key_form(const gles_key *key)
 
 unsigned gles_key_uniform_vectors(const gles_key *key)
 {
-    const unsigned lights = key->lights,
-                   common = (key->ambient ? 1 : 0) + (key->pass == GLES_PASS_SUM && !key->es3 ? 1 : 0);
+    const unsigned lights = key->lights, common = (key->ambient ? is_sbrdf(key) ? 2 : 1 : 0) +
+                                                  (key->pass == GLES_PASS_SUM && !key->es3 ? 1 : 0);
 
     if (!lights) return common;
+    if (is_sbrdf(key)) return common + 2 * lights + key->lobes + (key->persp ? 1 : 0);
     if (is_table(key)) {
         if (key->persp) return common + 2 * lights + 3 + key->phid;
         return common + (3 * lights + 1);
@@ -105,9 +117,28 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
     return common + 6 * lights;
 }
 
+/* Of a model that varies over the surface: where the alphas that hold the direction are read besides. */
+static unsigned direction_units(const gles_key *key)
+{
+    return key->direction > 1 ? 2 : key->direction && key->lobes == 1 ? 1 : 0;
+}
+
+static unsigned sbrdf_units(const gles_key *key)
+{
+    return (key->no_diffuse ? 0 : 1) + 2u * key->lobes + direction_units(key) + key->power;
+}
+
+int gles_key_unit_direction(const gles_key *key, int axis)
+{
+    const int count = (int)direction_units(key), first = (int)(sbrdf_units(key) - key->power) - count;
+
+    return count > 1 - axis ? first + axis + count - 2 : -1;
+}
+
 static unsigned model_units(const gles_key *key)
 {
     if (is_lit(key)) return key->mask > 1 ? 2 : 1;
+    if (is_sbrdf(key)) return sbrdf_units(key);
     if (!key->lights) return 0;
     if (is_table(key)) return key->model == GLES_KEY_FINE ? 2 : 1;
     if (key->model == GLES_KEY_QUARTER) return 1;
@@ -148,6 +179,7 @@ static int fits_pass(const gles_key *key)
 void gles_key_canonical(gles_key *key)
 {
     const gles_key given = *key;
+    const int sbrdf = is_sbrdf(key);
     int light;
 
     if (is_lit(key)) {
@@ -162,18 +194,21 @@ void gles_key_canonical(gles_key *key)
     if (key->pass == GLES_PASS_SUM) key->output = key->ambient = 0;
     if (key->pass == GLES_PASS_LAST) key->lights = 0;
     light = key->lights != 0;
-    if (!light) key->model = GLES_KEY_TABLE, key->persp = key->normal_map = 0;
+    if (!light) key->persp = key->normal_map = 0;
+    if (!light && !sbrdf) key->model = GLES_KEY_TABLE;
+    if (!light || !sbrdf) key->lobes = key->power = key->direction = 0;
+    key->no_diffuse = (uint8_t)(sbrdf && key->pass == GLES_PASS_SUM && key->no_diffuse);
     key->phid = (uint8_t)(light && (key->model == GLES_KEY_FINE || (key->model == GLES_KEY_TABLE && key->phid)));
     key->power48 = (uint8_t)(light && is_table(key) && key->power48);
-    if (is_table(key) || !key->persp) key->layers = 0;
+    if (is_table(key) || sbrdf || !key->persp) key->layers = 0;
     key->mask = 0;
 }
 
 /* Longer programs are refused by compilers of ES 2.0 GPUs, which stop at 256 instructions and few registers. */
 static unsigned most_lights(const gles_key *key)
 {
-    if (key->es3 || !key->persp) return NACRE_MAX_LIGHTS;
-    return is_table(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
+    if (key->es3 || (!key->persp && !is_sbrdf(key))) return NACRE_MAX_LIGHTS;
+    return is_table(key) || is_sbrdf(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
 }
 
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units)
@@ -207,7 +242,19 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "SPHERE", key->sphere);
     out = define(out, "LIT", (unsigned)is_lit(key));
     out = define(out, "MASK", key->mask != 0);
+    out = define(out, "SBRDF", (unsigned)is_sbrdf(key));
     if (!fragment) return out;
+    if (is_sbrdf(key)) {
+        const int x = gles_key_unit_direction(key, 0), y = gles_key_unit_direction(key, 1);
+
+        out = define(out, "LOBES", key->lobes);
+        out = define(out, "DIFFUSE", !key->no_diffuse);
+        out = define(out, "POWER_TABLE", key->power);
+        out = define(out, "DIRECTION", key->direction != 0);
+        out = define(out, "DIRECTION_X", x < 0 ? 0 : (unsigned)x);
+        out = define(out, "DIRECTION_Y", y < 0 ? 0 : (unsigned)y);
+        out = define(out, "MAPS", model_units(key));
+    }
     out = define(out, "MIX", key->mask > 1);
     out = define(out, "FINE", key->model == GLES_KEY_FINE);
     out = define(out, "PHID", key->phid);
@@ -245,6 +292,8 @@ int gles_text(const gles_key *key, int fragment, const char *part[GLES_TEXT_PART
     }
     if (is_table(key))
         PART(table_glsl);
+    else if (is_sbrdf(key))
+        PART(sbrdf_glsl);
     else
         PART(spheres_glsl);
     PART(frame_frag);
@@ -305,6 +354,40 @@ static void add_cameras(key_list *list, gles_key key)
     }
 }
 
+/* Passes of 3 lobes: the first two with the diffuse albedo, then the third. */
+static void add_sbrdf_lights(key_list *list, gles_key key)
+{
+    for (key.lights = 1; key.lights <= most_lights(&key); key.lights++) {
+        gles_key sum = key;
+
+        for (key.ambient = 0; key.ambient < 2; key.ambient++) add(list, &key);
+        key.ambient = 0;
+        sum.pass = GLES_PASS_SUM;
+        if (sum.output || !fits_pass(&sum)) continue;
+        if (sum.lobes < 3) add(list, &sum);
+        if (sum.lobes > 1) continue;
+        sum.no_diffuse = 1;
+        sum.direction *= 2;
+        add(list, &sum);
+    }
+}
+
+static void add_sbrdf(key_list *list, gles_key key)
+{
+    key.model = GLES_KEY_SBRDF;
+    key.ambient = 1;
+    add(list, &key);
+    key.pass = GLES_PASS_LAST;
+    for (key.ambient = 0; key.ambient < 2; key.ambient++) add(list, &key);
+    key.pass = GLES_PASS_NONE;
+    key.ambient = 0;
+    for (key.power = 0; key.power < 2; key.power++)
+        for (key.lobes = 1; key.lobes <= NACRE_MAX_LOBES; key.lobes++)
+            for (key.direction = 0; key.direction < 2; key.direction++)
+                for (key.persp = 0; key.persp < 2; key.persp++)
+                    for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add_sbrdf_lights(list, key);
+}
+
 /* Ambient alone, and what follows the last lights: of meshes and of spheres. */
 static void add_without_lights(key_list *list, gles_key key)
 {
@@ -342,6 +425,7 @@ unsigned gles_key_list(gles_key *out, unsigned count)
         add_lit(&list, key);
         for (; key.output <= NACRE_OUTPUT_LINEAR; key.output++) {
             add_without_lights(&list, key);
+            add_sbrdf(&list, key);
             for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
                 key.model = kinds[i].model;
                 key.phid = kinds[i].phid;

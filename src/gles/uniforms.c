@@ -430,12 +430,39 @@ static const int32_t (*vertex_turn(const gles_key *key, const shade_frame *frame
     return key->model == GLES_KEY_QUARTER ? light->is.quarter.own_turn_q28 : frame->turn_q28;
 }
 
+static void set_sbrdf(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
+                      unsigned first, unsigned first_lobe, vectors *factor)
+{
+    const shade_sbrdf_draw *const draw = &frame->is.sbrdf;
+    vectors light = {{{0}}}, model = light;
+    unsigned i;
+
+    for (i = 0; i < key->lobes; i++) {
+        const unsigned j = first_lobe + i;
+
+        model.v[i][0] = from_real(key->power ? draw->column_scale[j] : draw->log2_scale[j]);
+        model.v[i][1] =
+            key->power ? from_real(fx_real_exp2(draw->log2_weight_q16[j])) : from_q16(draw->log2_weight_q16[j]);
+    }
+    set(gl, at->model, &model, key->lobes);
+    if (key->persp) return;
+    for (i = 0; i < key->lights; i++) {
+        const int32_t *const to_light = light_of(frame, first + i)->is.sbrdf.to_light_q28;
+
+        put_q28(light.v[i], to_light, 3);
+        factor->v[i][3] = from_q28(to_light[2]) * (128.0f / 255.0f);
+    }
+    set(gl, at->light, &light, key->lights);
+}
+
 void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const nacre_view *view,
-                       const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light)
+                       const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light,
+                       unsigned first_lobe)
 {
     /* sums of passes for linear output are held x 1/16 */
     const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
     const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+    const int sbrdf = key->model == GLES_KEY_SBRDF;
     vectors factor = {{{0}}}, ambient = {{{0}}};
     const int quarter = key->model == GLES_KEY_QUARTER;
     int i;
@@ -443,11 +470,14 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     set_matrices(gl, at, view, vertices, vertex_turn(key, frame, first_light), frame->position_shift);
     if (key->model == GLES_KEY_LIT) return;
     for (i = 0; i < 3; i++) ambient.v[0][i] = from_real(frame->ambient[i]) * scale;
-    set(gl, at->ambient, &ambient, 1);
+    for (i = 0; i < 3 && sbrdf; i++) ambient.v[1][i] = from_real(frame->is.sbrdf.ambient[i]) * scale;
+    set(gl, at->ambient, &ambient, sbrdf ? 2 : 1);
     if (!key->lights) return;
     put_factors(&factor, key, frame, first_light, scale);
     if (key->persp) set_positions(gl, at, key, frame, first_light);
-    if (table && key->persp)
+    if (sbrdf)
+        set_sbrdf(gl, at, key, frame, first_light, first_lobe, &factor);
+    else if (table && key->persp)
         set_table_persp(gl, at, key, frame);
     else if (table)
         set_table_dist(gl, at, key, frame, first_light, &factor);

@@ -59,9 +59,10 @@ void gles_uniforms_locate(const gles_procs *gl, gl_uint program, const gles_key 
 const char *gles_attribute_name(unsigned location);
 
 /* Set every uniform of the current program. frame: from shade_setup with all the view's lights; this program draws
-   lights first_light .. first_light + key->lights - 1. Of a lit sphere's frame only turn and position_shift are read. */
+   lights first_light .. first_light + key->lights - 1, and lobes from first_lobe (0 where there are none). Of a lit sphere's frame only turn and position_shift are read. */
 void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const nacre_view *view,
-                       const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light);
+                       const gles_vertex_map *vertices, const shade_frame *frame, unsigned first_light,
+                       unsigned first_lobe);
 
 /* SUM passes: which byte (0 high, 1 low) of the new sum is written. */
 void gles_uniforms_set_byte(const gles_procs *gl, const gles_uniforms *at, unsigned byte);

@@ -83,6 +83,76 @@ static nacre_result read_spheres(shade_material *out, const nacre_image *image)
     return says(image, NACRE_KEY_TRANSFER, cosine ? "srgb" : "root4") ? NACRE_OK : NACRE_ERR_ASSET;
 }
 
+static int is_map(const nacre_image *image, const char *role)
+{
+    return image->faces == 1 && image->format == NACRE_FORMAT_RGBA8 && asset_key_is(image, NACRE_KEY_ROLE, role) &&
+           says(image, NACRE_KEY_TRANSFER, "linear");
+}
+
+/* Mean diffuse albedo over the smallest level, at most 64 x 64 of its texels. */
+static void mean_albedo(const nacre_image *image, nacre_q16 most, nacre_q16 out[3])
+{
+    const unsigned level = image->levels - 1u;
+    const unsigned width = image->width >> level ? image->width >> level : 1;
+    const unsigned height = image->height >> level ? image->height >> level : 1;
+    const unsigned columns = width < 64 ? width : 64, rows = height < 64 ? height : 64, count = columns * rows;
+    const uint8_t *const texels = nacre_image_texels(image, level, 0, 0, NULL);
+    uint32_t sum[3] = {0, 0, 0};
+    unsigned i, k;
+
+    for (i = 0; i < count; i++) {
+        const uint8_t *const t =
+            texels + 4 * ((size_t)(i / columns * height / rows) * width + i % columns * width / columns);
+
+        for (k = 0; k < 3; k++) sum[k] += t[k];
+    }
+    for (k = 0; k < 3; k++) out[k] = (nacre_q16)((uint64_t)most * sum[k] / (255 * count));
+}
+
+static nacre_result read_lobes(shade_sbrdf *s, const nacre_image *image)
+{
+    uint32_t lobes, direction;
+    unsigned j;
+
+    if (!is_map(image, "lobes") || !asset_key_u32(image, NACRE_KEY_LOBES, &lobes, 1)) return NACRE_ERR_ASSET;
+    if (lobes < 1 || lobes > NACRE_MAX_LOBES) return NACRE_ERR_ASSET;
+    if (!asset_key_q16(image, NACRE_KEY_MOST, s->most, lobes) ||
+        !asset_key_q16(image, NACRE_KEY_SHAPE, s->shape_most, lobes))
+        return NACRE_ERR_ASSET;
+    if (!asset_key_u32(image, NACRE_KEY_DIRECTION, &direction, 1)) direction = 0;
+    if (direction > 1 || image->layers != (direction && lobes == 1 ? 3 : 2 * lobes)) return NACRE_ERR_ASSET;
+    for (j = 0; j < lobes; j++)
+        if (s->most[j] <= 0 || s->shape_most[j] < NACRE_Q16_ONE || s->shape_most[j] > 2 * NACRE_Q16_ONE)
+            return NACRE_ERR_ASSET;
+    s->lobes = (uint8_t)lobes;
+    s->direction = (uint8_t)direction;
+    return NACRE_OK;
+}
+
+static nacre_result read_sbrdf(shade_material *out, const nacre_material *material)
+{
+    const nacre_image *const albedo = material->image[NACRE_ROLE_ALBEDO], *const lobes =
+                                                                              material->image[NACRE_ROLE_LOBES];
+    const nacre_image *const power = material->image[NACRE_ROLE_POWER];
+    shade_sbrdf *const s = &out->is.sbrdf;
+    nacre_q16 mean[3];
+    int i;
+
+    if (!is_map(albedo, "albedo") || albedo->layers != 1 || !asset_key_q16(albedo, NACRE_KEY_MOST, &s->albedo_most, 1))
+        return NACRE_ERR_ASSET;
+    if (s->albedo_most <= 0 || albedo->width != lobes->width || albedo->height != lobes->height ||
+        albedo->levels != lobes->levels || read_lobes(s, lobes))
+        return NACRE_ERR_ASSET;
+    mean_albedo(albedo, s->albedo_most, mean);
+    for (i = 0; i < 3; i++) out->albedo[i] = out->albedo[i] > mean[i] ? out->albedo[i] - mean[i] : 0;
+    if (!power) return NACRE_OK;
+    s->power_width = power->width;
+    return power->faces == 1 && power->layers == 1 && power->format == NACRE_FORMAT_R8 && power->width > 1 &&
+                   asset_key_is(power, NACRE_KEY_ROLE, "power") && asset_key_is(power, NACRE_KEY_TRANSFER, "root")
+               ? NACRE_OK
+               : NACRE_ERR_ASSET;
+}
+
 static nacre_result check_normal_map(const nacre_image *image)
 {
     if (image->faces != 1 || image->layers < 1 || !says(image, NACRE_KEY_ROLE, "normal")) return NACRE_ERR_ASSET;
@@ -101,7 +171,20 @@ static nacre_result check_mask(const nacre_image *image)
 int shade_model_role(nacre_model model)
 {
     if (model == NACRE_MODEL_TABLE) return NACRE_ROLE_TABLE;
+    if (model == NACRE_MODEL_SBRDF) return NACRE_ROLE_LOBES;
     return model == NACRE_MODEL_SPHERES ? NACRE_ROLE_SPHERES : -1;
+}
+
+int shade_role_has_uv(int role)
+{
+    return role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK || role == NACRE_ROLE_ALBEDO ||
+           role == NACRE_ROLE_LOBES;
+}
+
+int shade_model_takes(nacre_model model, int role)
+{
+    if (role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK || role == shade_model_role(model)) return 1;
+    return model == NACRE_MODEL_SBRDF && (role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_POWER);
 }
 
 nacre_result shade_material_read(shade_material *out, const nacre_material *material)
@@ -112,8 +195,12 @@ nacre_result shade_material_read(shade_material *out, const nacre_material *mate
     if (!image) return NACRE_ERR_ARGUMENT;
     memset(out, 0, sizeof *out);
     out->model = material->model;
+    if (role == NACRE_ROLE_LOBES) image = material->image[NACRE_ROLE_ALBEDO]; /* has the key */
+    if (!image) return NACRE_ERR_ARGUMENT;
     if (image->faces != 1 || !asset_key_q16(image, NACRE_KEY_ALBEDO, out->albedo, 3)) return NACRE_ERR_ASSET;
-    result = role == NACRE_ROLE_TABLE ? read_table(out, image) : read_spheres(out, image);
+    result = role == NACRE_ROLE_TABLE   ? read_table(out, image)
+             : role == NACRE_ROLE_LOBES ? read_sbrdf(out, material)
+                                        : read_spheres(out, image);
     if (!result && material->image[NACRE_ROLE_NORMAL]) result = check_normal_map(material->image[NACRE_ROLE_NORMAL]);
     if (!result && material->image[NACRE_ROLE_MASK]) result = check_mask(material->image[NACRE_ROLE_MASK]);
     return result;

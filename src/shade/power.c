@@ -39,13 +39,13 @@ uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16)
     return exp2_minus_q16(fx_shift(minus_log2_q24((uint32_t)x_q28 << 3) * n_q16, 16));
 }
 
-/* x^n = x'^(n/2) at x' = at / (2 width - 1), q16. at = 2 column + 1 in texel centres. */
+/* x^(n/2) = x'^(n/4) at x' = at / (2 width - 1), q16. at = 2 column + 1 in texel centres. */
 static int32_t power_at(unsigned at, unsigned width, int32_t n_q16)
 {
     const uint32_t last = 2 * width - 1;
     const int64_t minus_log2 = at < last ? minus_log2_q24(at) - minus_log2_q24(last) : 0;
 
-    return at ? (int32_t)exp2_minus_q16(fx_shift(minus_log2 * n_q16, 17)) : 0;
+    return at ? (int32_t)exp2_minus_q16(fx_shift(minus_log2 * n_q16, 18)) : 0;
 }
 
 uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsigned height)
@@ -55,7 +55,7 @@ uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsign
     const int32_t n_q16 = (int32_t)fx_div(255 * odd * odd * 65536, 4 * (int64_t)height * height);
     const unsigned at = 2 * column + 1;
     const int32_t value = power_at(at, width, n_q16);
-    int64_t above = 0; /* twice what the chords to either side lie above the power in their middles */
+    int64_t above = 0; /* twice what the chords to either side lie above it in their middles */
 
     if (column + 1 == width) return 65535;
     if (column) above += power_at(at - 2, width, n_q16) + value - 2 * power_at(at - 1, width, n_q16);

@@ -115,6 +115,7 @@ static fx_real shaped(int64_t log2_q16, shade_form form, const shade_material *m
 static int32_t model_log2(const shade_material *material, int channel)
 {
     if (material->model == NACRE_MODEL_TABLE) return shade_table_log2(&material->is.table);
+    if (material->model == NACRE_MODEL_SBRDF) return shade_sbrdf_log2(&material->is.sbrdf);
     return shade_spheres_log2(&material->is.spheres, channel);
 }
 
@@ -304,6 +305,9 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
     } else if (is_quarter(material)) {
         shade_quarter_light(&out->is.quarter, &in, &material->is.spheres);
         turn_after(out->is.quarter.own_turn_q28, frame->turn_q28);
+    } else if (material->model == NACRE_MODEL_SBRDF) {
+        shade_sbrdf_light(&out->is.sbrdf, &in);
+        in.lost = 0; /* there is no half vector */
     } else {
         shade_spheres_light(&out->is.spheres, &in, &material->is.spheres);
     }
@@ -315,18 +319,23 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
 
 /* ---- the frame ----------------------------------------------------------------------------------- */
 
+static fx_real ambient_of(const nacre_view *view, int channel, nacre_q16 albedo, const shade_material *material)
+{
+    const nacre_q16 ambient = *part(&view->ambient, channel);
+    int64_t sum;
+
+    if (!view_log2(view, channel, &sum) || ambient <= 0 || albedo <= 0) return fx_real_make(0, 0);
+    return shaped(sum + fx_log2_q16(ambient) + fx_log2_q16(albedo) - LOG2_PI_Q16, SHADE_LINEAR, material);
+}
+
 static void set_ambient(shade_frame *out, const nacre_view *view, const shade_material *material)
 {
     int i;
 
     for (i = 0; i < 3; i++) {
-        const nacre_q16 ambient = *part(&view->ambient, i), albedo = material->albedo[i];
-        int64_t sum;
-
-        out->ambient[i] = fx_real_make(0, 0);
-        if (!view_log2(view, i, &sum) || ambient <= 0 || albedo <= 0) continue;
-        out->ambient[i] =
-            shaped(sum + fx_log2_q16(ambient) + fx_log2_q16(albedo) - LOG2_PI_Q16, SHADE_LINEAR, material);
+        out->ambient[i] = ambient_of(view, i, material->albedo[i], material);
+        if (material->model == NACRE_MODEL_SBRDF)
+            out->is.sbrdf.ambient[i] = ambient_of(view, i, material->is.sbrdf.albedo_most, material);
     }
 }
 
@@ -380,6 +389,8 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
         shade_table_prepare(&out->is.table, &material->is.table, material->fine);
     else if (is_quarter(material))
         shade_quarter_prepare(&out->is.quarter, &material->is.spheres);
+    else if (material->model == NACRE_MODEL_SBRDF)
+        shade_sbrdf_prepare(&out->is.sbrdf, &material->is.sbrdf);
     else
         shade_spheres_prepare(&out->is.spheres, &material->is.spheres, units);
     for (i = 0; i < NACRE_MAX_LIGHTS; i++) set_light(out, i, view, centre_view, material, form);

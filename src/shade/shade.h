@@ -40,18 +40,32 @@ typedef struct shade_spheres {
 /* 1: quartered spheres: in GL all layers are one texture, one below the other, as they lie in the file. */
 int shade_is_quartered(const nacre_image *image);
 
+/* Decoded keys of albedo and lobes files. */
+typedef struct shade_sbrdf {
+    uint8_t lobes;         /* 1..3 */
+    uint8_t direction;     /* 1: the direction of anisotropy is in alphas */
+    uint16_t power_width;  /* columns of the power table, 0: none */
+    nacre_q16 albedo_most; /* > 0 */
+    nacre_q16 most[NACRE_MAX_LOBES], shape_most[NACRE_MAX_LOBES];
+} shade_sbrdf;
+
 typedef struct shade_material {
     nacre_model model;
     uint8_t fine;        /* table: two layers */
-    nacre_q16 albedo[3]; /* NACRE_KEY_ALBEDO */
+    nacre_q16 albedo[3]; /* NACRE_KEY_ALBEDO; sbrdf: without the diffuse albedo, which is in the texels */
     union {
         shade_table table;
         shade_spheres spheres;
+        shade_sbrdf sbrdf;
     } is;
 } shade_material;
 
-/* Role of the image that holds a model's reflectance; -1: no such model. */
+/* Role of the image that holds a model's reflectance (SBRDF: the lobes); -1: no such model. */
 int shade_model_role(nacre_model model);
+/* 1: images of this role are looked at by their place on the surface. */
+int shade_role_has_uv(int role);
+/* 1: materials of this model may have an image of this role. */
+int shade_model_takes(nacre_model model, int role);
 
 /* The files of a material, checked. NACRE_ERR_ARGUMENT: no image for the model. NACRE_ERR_ASSET: an image that does not
    hold what its role says. */
@@ -106,6 +120,11 @@ typedef struct shade_quarter_setup {
     fx_real root4[3];   /* fourth root of the linear factor, R G B */
 } shade_quarter_setup;
 
+/* One light on a material that varies, dist. */
+typedef struct shade_sbrdf_setup {
+    int32_t to_light_q28[3]; /* l, turned; l.v is [2] */
+} shade_sbrdf_setup;
+
 typedef struct shade_light {
     fx_real factor[3];   /* R G B, see shade_form; 0 when the light adds nothing */
     fx_real linear[3];   /* the same in SHADE_LINEAR */
@@ -116,6 +135,7 @@ typedef struct shade_light {
         shade_table_setup table;
         shade_spheres_setup spheres;
         shade_quarter_setup quarter;
+        shade_sbrdf_setup sbrdf;
     } is;
 } shade_light;
 
@@ -148,6 +168,15 @@ typedef struct shade_quarter_draw {
                                             sqrt(1 - l.h) */
 } shade_quarter_draw;
 
+/* Constant over a draw: a material that varies. With c what codes 0..1 give for the dot product of a lobe, x = K c. */
+typedef struct shade_sbrdf_draw {
+    fx_real log2_scale[NACRE_MAX_LOBES];   /* 255 log2 K */
+    fx_real column_scale[NACRE_MAX_LOBES]; /* power table: u = column_scale c^2 */
+    int32_t
+        log2_weight_q16[NACRE_MAX_LOBES]; /* of code 255 of the lobe's albedo, over that of the diffuse albedo; <= 15 */
+    fx_real ambient[3]; /* radiance that the ambient light adds where the diffuse albedo's code is 255 */
+} shade_sbrdf_draw;
+
 /* One draw. About 3 KB. Lights beyond light_count have factor 0 and are otherwise like directional ones from the eye. */
 typedef struct shade_frame {
     shade_light light[NACRE_MAX_LIGHTS];
@@ -161,6 +190,7 @@ typedef struct shade_frame {
         shade_table_draw table;
         shade_spheres_draw spheres;
         shade_quarter_draw quarter;
+        shade_sbrdf_draw sbrdf;
     } is;
 } shade_frame;
 
@@ -190,7 +220,7 @@ int32_t shade_exponent_q16(uint32_t code);
 /* x^n, q16: 0..65536; x above 1 counts as 1, x at and below 0 gives 0. No division, two table entries each way.
    n q16, 0..255. worst 2^-17 + 1.5e-4 of the value. */
 uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16);
-/* Texel (column, row) of the power table of nacre_asset.h, 0..65535; width, height 2..4096. Set-up. */
+/* Texel (column, row) of the power table of nacre_asset.h: x^(n/2), 0..65535; width, height 2..4096. Set-up. */
 uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsigned height);
 
 /* Pictures of lit spheres are indexed by x and y of the bisector of normal and eye, this far to each side (0.8: normals up to
@@ -221,5 +251,10 @@ void shade_spheres_prepare(shade_spheres_draw *out, const shade_spheres *spheres
 void shade_quarter_light(shade_quarter_setup *out, const shade_incoming *in, const shade_spheres *spheres);
 void shade_quarter_prepare(shade_quarter_draw *out, const shade_spheres *spheres);
 int32_t shade_spheres_log2(const shade_spheres *spheres, int channel);
+
+void shade_sbrdf_light(shade_sbrdf_setup *out, const shade_incoming *in);
+void shade_sbrdf_prepare(shade_sbrdf_draw *out, const shade_sbrdf *sbrdf);
+/* log2 (q16) of the diffuse albedo of code 255, over pi. */
+int32_t shade_sbrdf_log2(const shade_sbrdf *sbrdf);
 
 #endif

@@ -13,7 +13,8 @@
 #include "sbrdf_map.h"
 #include "table_bake.h"
 
-static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal", "mask", "albedo", "lobes"};
+static const char *const role_names[NACRE_ROLE_COUNT] = {"table",  "spheres", "normal", "mask",
+                                                         "albedo", "lobes",   "power"};
 
 static int ends_with(const char *text, const char *end)
 {
@@ -111,10 +112,10 @@ static int is_map(nacre_role role)
     return role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK;
 }
 
-/* The two parts of a material that varies over the surface. */
+/* The parts of a material that varies over the surface. */
 static int is_sbrdf(nacre_role role)
 {
-    return role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_LOBES;
+    return role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_LOBES || role == NACRE_ROLE_POWER;
 }
 
 static int open_role(scene_material *m, nacre_role role, const char *path, failure *f)
@@ -175,8 +176,8 @@ static int open_roles(scene_material *m, const char *text, char *reflectance, si
         int role = name < length ? role_named(text, name) : -1, code;
         if (role < 0 || name + 1 == length)
             return fail(f, FAIL_USAGE,
-                        "--material: \"%.*s\", expected table=FILE, spheres=FILE, albedo=FILE, lobes=FILE, normal=FILE "
-                        "or mask=FILE",
+                        "--material: \"%.*s\", expected table=FILE, spheres=FILE, albedo=FILE, lobes=FILE, power=FILE, "
+                        "normal=FILE or mask=FILE",
                         (int)length, text);
         snprintf(path, sizeof path, "%.*s", (int)(length - name - 1), text + name + 1);
         code = open_role(m, (nacre_role)role, path, f);
