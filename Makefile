@@ -78,7 +78,7 @@ FAULT := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/fault/test_*.c))
 BUDGET := $(patsubst tests/%.c,$(O)/tests/%,$(wildcard tests/budget/test_*.c))
 SUPPORT := $(patsubst tests/%.c,$(O)/tests/%.o,$(wildcard tests/support/*.c))
 
-.PHONY: bare-metal all lib tool demo test tests check-long lint shaders sizes bench install clean help power-table deps-build deps-demo \
+.PHONY: same-bits bare-metal all lib tool demo test tests check-long lint shaders sizes bench install clean help power-table deps-build deps-demo \
         deps-test deps-check-long run-tests sanitize-tests budget
 .DELETE_ON_ERROR:
 .SECONDARY:
@@ -241,6 +241,15 @@ $(O)/bare_metal_scene: tests/bare_metal/make_scene.c $(TOOLS_LIB) $(LIB) Makefil
 	@mkdir -p $(@D)
 	$(call say,cc $<)
 	$(Q)$(CC) $(HOST_FLAGS) $(INC_tests) -Itests/bare_metal -o $@ $< $(TOOLS_LIB) $(LIB) $(HOST_LIBS) $(LDFLAGS)
+
+$(O)/dump_cases: tests/arch/dump_cases.c $(SUPPORT) $(TOOLS_LIB) $(LIB) Makefile
+	@mkdir -p $(@D)
+	$(call say,cc $<)
+	$(Q)$(CC) $(HOST_FLAGS) $(INC_tests) -o $@ $< $(SUPPORT) $(TOOLS_LIB) $(LIB) -lcmocka $(HOST_LIBS) $(LDFLAGS)
+
+## same-bits: frames of the CPU renderer on every processor that can be emulated here
+same-bits: $(O)/dump_cases
+	@sh tests/arch/run.sh $(BUILD)
 
 ## bare-metal: the teapot on emulated Cortex-M3, M4 and M7, compared with this machine's frame; instructions a pixel
 bare-metal: $(O)/bare_metal_scene
