@@ -21,6 +21,8 @@ static int parse(fit_request *r, int argc, char **argv, failure *f)
         {"--lobes", OPTION_INT, &r->options.lobes, 1, LAFORTUNE_MAX_LOBES, "N", "1, 2 or 3 (3)"},
         {"--per-channel", OPTION_FLAG, &r->options.per_channel, 0, 0, NULL,
          "shapes and exponents of their own for R, G and B (shared)"},
+        {"--display", OPTION_FLAG, &r->options.display, 0, 0, NULL,
+         "weigh errors as they are seen: in sRGB codes, not in radiance"},
         {"--max-exponent", OPTION_REAL, &r->options.n_max, 1, 1e6, "N",
          "largest exponent (100000; 8-bit maps hold 255)"},
         {"-o", OPTION_TEXT, &r->output, 0, 0, "FILE", "parameters and errors as JSON (- for standard output)"},
@@ -33,6 +35,8 @@ static int parse(fit_request *r, int argc, char **argv, failure *f)
                              sizeof table / sizeof *table, &r->brdf, &operands, 1, 1, f);
     if (code) return code;
     if (strcmp(r->model, "lafortune")) return fail(f, FAIL_USAGE, "--model %s: expected lafortune", r->model);
+    if (r->options.display && r->options.per_channel)
+        return fail(f, FAIL_USAGE, "--display and --per-channel: found both, expected one");
     if (r->json && r->output) return fail(f, FAIL_USAGE, "-o and --json: found both, expected one");
     if (!r->output) r->output = r->json;
     if (r->threads) omp_set_num_threads(r->threads);
@@ -44,7 +48,7 @@ static void print_fit(const lafortune_fit *fit)
     char name[2000];
     lafortune_fit_name(fit, name, sizeof name);
     printf("%s: relative error of f_r cos over views of 0..75 degrees\n", fit->name);
-    for (int k = 0; k <= fit->lobes; k++)
+    for (int k = fit->display ? fit->lobes : 0; k <= fit->lobes; k++)
         printf("  %s%.2f %%\n",
                k == 0   ? "Lambert alone "
                : k == 1 ? "1 lobe        "

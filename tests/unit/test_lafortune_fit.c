@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "lafortune_fit.h"
+#include "metric.h"
 
 #include <cmocka.h> /* last: it makes fail a macro */
 
@@ -31,6 +32,12 @@ static lafortune_fit fit_of(const brdf *b, int lobes, int per_channel)
     const lafortune_fit_options options = {.lobes = lobes, .per_channel = per_channel};
     if (lafortune_fit_brdf(&fit, b, &options, &f)) fail_msg("%s", f.text);
     return fit;
+}
+
+/* The rest of what takes long: NACRE_LONG=1. */
+static int is_long(void)
+{
+    return getenv("NACRE_LONG") != NULL;
 }
 
 /* ---- known answers ------------------------------------------------------------------------------------------------- */
@@ -106,8 +113,8 @@ static void two_lobes_come_back(void **state)
 static void published_three_lobes_come_back(void **state)
 {
     (void)state;
-    static const char *const names[] = {"clay", "felt", "skin", "blue-paint", "brushed-metal", "primer"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    static const char *const names[] = {"clay", "primer", "felt", "skin", "blue-paint", "brushed-metal"};
+    for (size_t i = 0; i < (is_long() ? 6 : 2); i++) {
         char name[64];
         snprintf(name, sizeof name, "lafortune:%s", names[i]);
         brdf *b = open_brdf(name);
@@ -152,27 +159,67 @@ static void ggx_is_fitted_well(void **state)
 
 /* Fits of Ngan et al. 2005 were made to the same measured materials as those of Bagher et al. 2012, which stand for the
    measurements here. One lobe with shared c and n, as theirs has. */
+static void check_published(const char *material, int *count, int *worse)
+{
+    char truth_name[100], published_name[100];
+    failure f = {0};
+    double error;
+    brdf *truth, *published;
+    snprintf(truth_name, sizeof truth_name, "sgd:%s", material);
+    snprintf(published_name, sizeof published_name, "ngan-lafortune:%s", material);
+    if (brdf_open(&published, published_name, &f)) return; /* 86 of the 100 have one */
+    truth = open_brdf(truth_name);
+    lafortune_fit fit = fit_of(truth, 1, 0);
+    assert_int_equal(lafortune_fit_error(truth, published, &error, &f), 0);
+    print_message("%s: published %.1f %%, ours %.1f %%\n", material, 100 * error, 100 * fit.residual[1]);
+    (*count)++;
+    *worse += !(fit.residual[1] <= error);
+    brdf_close(truth);
+    brdf_close(published);
+}
+
 static void not_worse_than_published_fits(void **state)
 {
     (void)state;
-    static const char *const names[] = {"alum-bronze", "beige-fabric",   "blue-acrylic",        "brass",
-                                        "cherry-235",  "dark-red-paint", "gold-metallic-paint", "green-latex",
-                                        "pink-felt",   "red-fabric",     "red-plastic",         "yellow-plastic"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
-        char truth_name[64], published_name[64];
-        failure f = {0};
-        double error;
-        snprintf(truth_name, sizeof truth_name, "sgd:%s", names[i]);
-        snprintf(published_name, sizeof published_name, "ngan-lafortune:%s", names[i]);
-        brdf *truth = open_brdf(truth_name), *published = open_brdf(published_name);
-        lafortune_fit fit = fit_of(truth, 3, 0);
-        assert_int_equal(lafortune_fit_error(truth, published, &error, &f), 0);
-        print_message("%s: published %.1f %%, ours %.1f / %.1f / %.1f %%\n", names[i], 100 * error,
-                      100 * fit.residual[1], 100 * fit.residual[2], 100 * fit.residual[3]);
-        assert_true(fit.residual[1] <= error);
-        brdf_close(truth);
-        brdf_close(published);
+    int count = 0, worse = 0;
+    size_t names;
+    const char *const *name = brdf_names(&names);
+    for (size_t i = 0, nth = 0; i < names; i++)
+        if (!strncmp(name[i], "sgd:", 4) && (is_long() || nth++ % 12 == 4))
+            check_published(name[i] + 4, &count, &worse);
+    print_message("%d materials, worse than published on %d\n", count, worse);
+    assert_true(count >= (is_long() ? 80 : 5));
+    assert_int_equal(worse, 0);
+}
+
+/* Fits to what is seen are nearer by the display metric, in the mean over materials, and over the full light and two stops
+   less of it. */
+static void display_fits_look_nearer(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"sgd:brass", "sgd:gold-metallic-paint", "sgd:alum-bronze", "sgd:red-fabric"};
+    double gain = 0;
+    for (int i = 0; i < 4; i++) {
+        brdf *b = open_brdf(names[i]);
+        double db[2] = {0, 0};
+        for (int display = 0; display < 2; display++) {
+            lafortune_fit fit;
+            failure f = {0};
+            metric_result result;
+            const lafortune_fit_options options = {.lobes = 2, .display = display};
+            if (lafortune_fit_brdf(&fit, b, &options, &f)) fail_msg("%s", f.text);
+            brdf *drawn = lafortune_fit_open(&fit);
+            for (int stops = 0; stops <= 2; stops += 2) {
+                metric_compare(b, drawn, stops, &result);
+                db[display] += result.pooled_psnr_db / 2;
+            }
+            brdf_close(drawn);
+        }
+        print_message("%s, 2 lobes: %.1f dB fitted to radiance, %.1f dB to what is seen\n", names[i], db[0], db[1]);
+        gain += (db[1] - db[0]) / 4;
+        brdf_close(b);
     }
+    assert_true(gain > 1);
 }
 
 /* ---- the error itself ---------------------------------------------------------------------------------------------- */
@@ -203,12 +250,11 @@ static double error_by_grid(const brdf *truth, const brdf *fit)
 static void error_is_what_it_says(void **state)
 {
     (void)state;
-    static const char *const names[] = {"ggx:rough=.5,f0=.04,albedo=.3/.2/.1", "sgd:gold-metallic-paint",
-                                        "lafortune:skin"};
+    static const char *const names[] = {"ggx:rough=.5,f0=.04,albedo=.3/.2/.1", "lafortune:skin"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         brdf *b = open_brdf(names[i]);
         failure f = {0};
-        for (int lobes = 1; lobes <= 3; lobes += 2) {
+        for (int lobes = 1; lobes <= 2; lobes++) {
             lafortune_fit fit = fit_of(b, lobes, 0);
             brdf *drawn = lafortune_fit_open(&fit);
             double by_library, by_grid = error_by_grid(b, drawn);
@@ -283,6 +329,7 @@ int main(void)
         cmocka_unit_test(published_three_lobes_come_back),
         cmocka_unit_test(ggx_is_fitted_well),
         cmocka_unit_test(not_worse_than_published_fits),
+        cmocka_unit_test(display_fits_look_nearer),
         cmocka_unit_test(error_is_what_it_says),
         cmocka_unit_test(name_opens_again),
         cmocka_unit_test(nothing_to_fit),

@@ -6,6 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "pixels.h"
+
 static double squares_of(const lafortune_pairs *p, int channel, int from, int to)
 {
     double sum = 0;
@@ -41,7 +43,6 @@ static int evaluate(const brdf *b, lafortune_pairs *p, failure *f)
     }
     if (!finite) return fail(f, FAIL_INVALID, "%s: found a value that is not finite, expected numbers", b->name);
     if (!lit) return fail(f, FAIL_INVALID, "%s: found no reflectance above 0, expected some to fit", b->name);
-    level_views(p);
     return 0;
 }
 
@@ -113,10 +114,110 @@ static void fit_channels(lafortune_fit *out, const lafortune_pairs *p, const laf
     }
 }
 
+/* ---- what is seen ------------------------------------------------------------------------------------ */
+
+/* How much of a difference of radiance shows: slope of the display curve between two radiances, two stops beyond white. */
+static double display_slope(double a, double b)
+{
+    enum { WHITE = 4 };
+    if (fabs(a - b) < 1e-4) b = a + 1e-4;
+    return fabs((srgb_encode(fmin(fmax(a, 0), WHITE)) - srgb_encode(fmin(fmax(b, 0), WHITE))) / (a - b));
+}
+
+/* Weights so that squared residuals are about those of display codes, for a fit near the last one (NULL: near the truth). */
+static void weigh_display(lafortune_pairs *p, const double *plain, double exposure, const lafortune_shared *last)
+{
+    static const double pi = 3.14159265358979323846;
+    for (int i = 0; i < p->samples.count; i++) {
+        const double *value = p->value + 3 * (size_t)i;
+        double scale = pi * exposure * p->direction[i][2], squares = 0, f_r[3];
+        if (last) lafortune_shared_eval(last, p->direction[i], p->direction[i] + 3, f_r);
+        for (int c = 0; c < 3; c++) {
+            double slope = display_slope(scale * value[c], scale * (last ? f_r[c] : value[c]));
+            squares += slope * slope / 3;
+        }
+        p->samples.weight[i] = plain[i] * sqrt(squares + 1e-6); /* what is beyond white still counts a little */
+    }
+}
+
+/* Squared difference of display codes over the pairs, at the exposure and two stops down. */
+static double display_error(const lafortune_pairs *p, const double *plain, double exposure, const lafortune_shared *fit)
+{
+    static const double pi = 3.14159265358979323846;
+    double sum = 0;
+    for (int i = 0; i < p->samples.count; i++) {
+        double f_r[3], w = plain[i] / p->direction[i][2]; /* solid angles alone */
+        lafortune_shared_eval(fit, p->direction[i], p->direction[i] + 3, f_r);
+        for (int k = 0; k < 6; k++) {
+            double scale = pi * exposure * p->direction[i][2] / (k < 3 ? 1 : 4);
+            double off =
+                srgb_encode(fmin(scale * f_r[k % 3], 1)) - srgb_encode(fmin(scale * p->value[3 * i + k % 3], 1));
+            sum += w * w * off * off;
+        }
+    }
+    return sum;
+}
+
+/* From the fit to radiance, and from one to what is seen near the truth: rounds of weights and fits, the best kept. */
+static void fit_display(lafortune_fit *out, lafortune_pairs *p, const brdf *b, const lafortune_options *options)
+{
+    enum { ROUNDS = 3 };
+    size_t size = (size_t)p->samples.count * sizeof(double);
+    double exposure = brdf_exposure(b), *plain = need_memory(size, 1), least = HUGE_VAL;
+    lafortune_shared best = {0}, s;
+    memcpy(plain, p->samples.weight, size);
+    for (int start = 0; start < 2; start++)
+        for (int round = 0; round < ROUNDS; round++) {
+            if (start == 0 && round == 0)
+                level_views(p);
+            else
+                weigh_display(p, plain, exposure, round ? &s : NULL);
+            lafortune_problem *problem = lafortune_problem_make(&p->samples, 3, out->lobes, options);
+            if (round)
+                lafortune_refine(problem, p->value, &s);
+            else
+                lafortune_solve(problem, p->value, out->lobes, &s, NULL);
+            lafortune_problem_free(problem);
+            double error = display_error(p, plain, exposure, &s);
+            if (error < least) {
+                least = error;
+                best = s;
+            }
+        }
+    memcpy(p->samples.weight, plain, size);
+    free(plain);
+    take_channel(out, &best, 0, 3);
+}
+
 /* How many starts the solver may take: for every lobe 6 from its grid, and each earlier one split. */
 static double starts_for(int lobes)
 {
     return 6 * lobes + lobes * (lobes - 1) / 2;
+}
+
+/* Relative error over the pairs, whose views are level. */
+static double error_over(const lafortune_pairs *p, const brdf *other)
+{
+    double squares = 0, total = 0;
+    for (int i = 0; i < p->samples.count; i++) {
+        double value[3];
+        other->eval(other, p->direction[i], p->direction[i] + 3, value);
+        for (int c = 0; c < 3; c++) {
+            double truth = p->samples.weight[i] * p->value[3 * (size_t)i + (size_t)c];
+            double difference = p->samples.weight[i] * value[c] - truth;
+            squares += difference * difference;
+            total += truth * truth;
+        }
+    }
+    return sqrt(squares / total);
+}
+
+static double error_of_fit(const lafortune_fit *fit, const lafortune_pairs *p)
+{
+    brdf *drawn = lafortune_fit_open(fit);
+    double error = error_over(p, drawn);
+    brdf_close(drawn);
+    return error;
 }
 
 int lafortune_fit_brdf(lafortune_fit *out, const brdf *b, const lafortune_fit_options *options, failure *f)
@@ -129,18 +230,20 @@ int lafortune_fit_brdf(lafortune_fit *out, const brdf *b, const lafortune_fit_op
     lafortune_pairs p = lafortune_pairs_make(LAFORTUNE_FINE, b->anisotropic);
     memset(out, 0, sizeof *out);
     out->lobes = options->lobes ? options->lobes : LAFORTUNE_MAX_LOBES;
-    out->per_channel = options->per_channel;
+    out->per_channel = options->per_channel && !options->display;
+    out->display = options->display;
     out->anisotropic = b->anisotropic;
     snprintf(out->name, sizeof out->name, "%s", b->name);
     int code = evaluate(b, &p, f);
     if (!code) {
         progress_begin(options->progress, "starts", (options->per_channel ? 3 : 1) * starts_for(out->lobes));
-        if (options->per_channel)
-            fit_channels(out, &p, &solver);
-        else
-            fit_shared(out, &p, &solver);
+        if (options->display) fit_display(out, &p, b, &solver);
+        level_views(&p);
+        if (!options->display && options->per_channel) fit_channels(out, &p, &solver);
+        if (!options->display && !options->per_channel) fit_shared(out, &p, &solver);
         progress_end(options->progress);
     }
+    if (!code && options->display) out->residual[out->lobes] = error_of_fit(out, &p);
     lafortune_pairs_free(&p);
     return code;
 }
@@ -158,18 +261,10 @@ int lafortune_fit_error(const brdf *b, const brdf *other, double *error, failure
 {
     lafortune_pairs p = lafortune_pairs_make(LAFORTUNE_FINE, b->anisotropic || other->anisotropic);
     int code = evaluate(b, &p, f);
-    double squares = 0, total = 0;
-    for (int i = 0; i < p.samples.count && !code; i++) {
-        double value[3];
-        other->eval(other, p.direction[i], p.direction[i] + 3, value);
-        for (int c = 0; c < 3; c++) {
-            double truth = p.samples.weight[i] * p.value[3 * (size_t)i + (size_t)c];
-            double difference = p.samples.weight[i] * value[c] - truth;
-            squares += difference * difference;
-            total += truth * truth;
-        }
+    if (!code) {
+        level_views(&p);
+        *error = error_over(&p, other);
     }
-    *error = sqrt(squares / total);
     lafortune_pairs_free(&p);
     return code;
 }
@@ -214,9 +309,12 @@ void lafortune_fit_json(const lafortune_fit *fit, json *j)
     json_int(j, "lobes", fit->lobes);
     json_bool(j, "shared", !fit->per_channel);
     json_real(j, "residual", fit->residual[fit->lobes]);
-    json_begin(j, "residual_by_lobes", '[');
-    for (int k = 0; k <= fit->lobes; k++) json_real(j, NULL, fit->residual[k]);
-    json_end(j, ']');
+    json_bool(j, "display", fit->display);
+    if (!fit->display) {
+        json_begin(j, "residual_by_lobes", '[');
+        for (int k = 0; k <= fit->lobes; k++) json_real(j, NULL, fit->residual[k]);
+        json_end(j, ']');
+    }
     json_rgb(j, "kd", fit->kd);
     json_begin(j, "lobe", '[');
     for (int i = 0; i < fit->lobes; i++) {

@@ -20,15 +20,17 @@ typedef struct lafortune_fit_options {
     double n_min;       /* (0.25) least exponent */
     double n_max;       /* (1e5) largest exponent; 255 for maps of 8 bits */
     double grazing_max; /* as in lafortune_options */
+    int display; /* 1: errors weigh as they are seen, in sRGB codes at the metric's exposure (shared c and n only) */
     progress *progress;
 } lafortune_fit_options;
 
 typedef struct lafortune_fit {
-    int lobes, per_channel, anisotropic;
+    int lobes, per_channel, display, anisotropic;
     double kd[3];
     lafortune_lobe lobe[LAFORTUNE_MAX_LOBES];
-    double residual[LAFORTUNE_MAX_LOBES + 1]; /* relative error with 0..lobes lobes; never rises */
-    char name[256];                           /* of the BRDF that was fitted */
+    double
+        residual[LAFORTUNE_MAX_LOBES + 1]; /* relative error with 0..lobes lobes; never rises. display: [lobes] alone */
+    char name[256];                        /* of the BRDF that was fitted */
 } lafortune_fit;
 
 /* FAIL_INVALID: the BRDF is nowhere above 0, or is not finite somewhere. */

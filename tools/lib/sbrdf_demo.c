@@ -110,21 +110,22 @@ static void paper_grain(double x, double y, double *out)
 /* Where in its yearly rings a place is, 0..1, and how much of a pore it is. */
 static double rings(double x, double y)
 {
-    double bend = 0.35 * clouds(x, y, 2, 2, 11) + 0.08 * sin(2 * PI * y);
-    double ring = 7 * (x + bend);
+    double bend = 0.16 * clouds(x, y, 2, 1, 11) + 0.03 * sin(2 * PI * y);
+    double ring = 9 * (x + bend);
     return ring - floor(ring);
 }
 
 static void pores(double x, double y, double *out)
 {
     double streak = noise(x + 0.02 * sin(2 * PI * y), y, 90, 6, 21), late = rings(x, y);
-    out[0] = edge(streak - 0.83 + 0.22 * late, 0.12) * edge(noise(x, y, 60, 10, 5) - 0.3, 0.3);
+    out[0] = edge(streak - 0.9 + 0.2 * late, 0.15) * edge(noise(x, y, 60, 10, 5) - 0.3, 0.3);
 }
 
 static void cherry(double x, double y, double *out)
 {
-    static const double light[3] = {0.73, 0.44, 0.27}, dark[3] = {0.50, 0.24, 0.13};
-    double late = rings(x, y), t = late * late * late, fine = noise(x, y, 128, 8, 2) - 0.5, pore;
+    static const double light[3] = {0.80, 0.50, 0.31}, dark[3] = {0.62, 0.32, 0.18};
+    double late = rings(x, y), t = late * late * late * edge(0.95 - late, 0.1), fine = noise(x, y, 128, 8, 2) - 0.5,
+           pore;
     pores(x, y, &pore);
     for (int c = 0; c < 3; c++) out[c] = (light[c] + (dark[c] - light[c]) * t) * (1 + 0.12 * fine) * (1 - 0.45 * pore);
 }
@@ -316,7 +317,7 @@ static const demo demos[SBRDF_DEMO_COUNT] = {
      {{"cherry-wood-colour", 3, cherry}, {"cherry-wood-pores", 1, pores}}},
     {"gift-wrap",
      "size 256 256\n"
-     "material red sgd:red-metallic-paint\n"
+     "material red lafortune:kd=.34/.012/.02,cx=-1,cz=.96,n=45,ks=1.1/.3/.28\n"
      "material silver sgd:silver-metallic-paint2\n"
      "material gold sgd:gold-metallic-paint2\n"
      "fill red\n"
@@ -344,16 +345,16 @@ static const demo demos[SBRDF_DEMO_COUNT] = {
      "size 256 256\n"
      "lobes 2\n"
      "# silk: forward scattering along the thread, backward across it\n"
-     "material silk lafortune:kd=.16/.13/.07,cx=-1,cy=.9,cz=.75,n=5,ks=.5/.42/.27,cx=-.7,cy=-.7,cz=.8,n=1.2,ks=.05\n"
-     "material cotton lafortune:kd=.10/.11/.15,cx=-.8,cy=.6,cz=.9,n=2,ks=.03,cx=-.6,cy=-.6,cz=.6,n=1,ks=.03\n"
+     "material silk lafortune:kd=.24/.19/.09,cx=-1,cy=.9,cz=.75,n=5,ks=.7/.58/.33,cx=-.7,cy=-.7,cz=.8,n=1.2,ks=.05\n"
+     "material cotton lafortune:kd=.10/.15/.28,cx=-.8,cy=.6,cz=.9,n=2,ks=.03,cx=-.6,cy=-.6,cz=.6,n=1,ks=.03\n"
      "fill cotton tint=upholstery-threads.png\n"
      "paint silk upholstery-silk.png tint=upholstery-threads.png shine=upholstery-threads.png turn=0\n",
      {{"upholstery-threads", 3, threads}, {"upholstery-silk", 1, silk}}},
     {"brushed-metal",
      "size 256 256\n"
      "lobes 3\n"
-     "material metal lafortune:kd=.01,cx=-1,cy=-.80,cz=.86,n=18,ks=.35/.33/.30,"
-     "cx=-1,cy=-.90,cz=.95,n=56,ks=.9/.86/.8,cx=-1,cy=-.965,cz=.99,n=184,ks=2.4/2.3/2.15\n"
+     "material metal lafortune:kd=.10/.097/.092,cx=-1,cy=-.1,cz=.93,n=18,ks=1.5/1.46/1.4,"
+     "cx=-1,cy=-.45,cz=.96,n=56,ks=1.7/1.66/1.6,cx=-1,cy=-.8,cz=.985,n=184,ks=2.4/2.35/2.25\n"
      "material cloth sgd:white-fabric\n"
      "fill metal direction=brushed-metal-strokes.png shine=brushed-metal-scratches.png\n"
      "paint cloth brushed-metal-letters.png tint=brushed-metal-weave.png\n",

@@ -151,6 +151,7 @@ static int do_material(painting *p, char **word, int count)
     int code = brdf_open(&b, word[2], p->f);
     if (code) return code;
     const lafortune_fit_options options = {.lobes = p->lobes,
+                                           .display = 1,
                                            .n_min = SBRDF_EXPONENT_LEAST,
                                            .n_max = SBRDF_EXPONENT_MOST,
                                            .grazing_max = SBRDF_GRAZING_MAX};

@@ -4,7 +4,7 @@
  *
  *   size 256 256                 texels; before all else but lobes
  *   lobes 2                      1..3 a texel (1)
- *   material NAME BRDF           fitted with that many lobes; later statements use NAME
+ *   material NAME BRDF           fitted with that many lobes, to what is seen; later statements use NAME
  *   fill NAME [words]            the whole map
  *   paint NAME MASK.png [words]  where the mask is bright, over what is there; grey mixes the two
  *   opacity MASK.png             alpha
