@@ -58,8 +58,8 @@ static nacre_result make_picture(nacre_gles *gles, gles_lit *lit)
         return gles_fail(gles, NACRE_ERR_BUDGET, "texture_budget: lit sphere", NULL);
     result =
         gles_target_make(gles, &lit->texture, &lit->framebuffer, lit->size, lit->size, lit->rgb565, GLES_LINEAR, 0);
-    gles->texture_bytes += picture_bytes(lit);
-    return result;
+    if (lit->texture) gles->texture_bytes += picture_bytes(lit);
+    return result; /* delete_picture undoes what was made */
 }
 
 /* A sum of the picture's size, for passes. */
@@ -72,25 +72,43 @@ static nacre_result make_sum(nacre_gles *gles, gles_sum *sum, unsigned size)
     return gles_sum_make(gles, sum, (gl_int)size, (gl_int)size, 0);
 }
 
-/* What an update needs and has not; reads errors only if there is anything to make. */
+static nacre_result make_missing(nacre_gles *gles, gles_lit *lit, int in_passes)
+{
+    nacre_result result = make_triangle(gles);
+    if (!result) result = make_picture(gles, lit);
+    if (!result && in_passes) result = make_sum(gles, &gles->lit_sum[0], lit->size);
+    if (!result && in_passes) result = make_sum(gles, &gles->lit_sum[1], lit->size);
+    return result ? result : gles_check(gles, "lit sphere");
+}
+
+static void delete_triangle(nacre_gles *gles)
+{
+    if (gles->lit_triangle && !gles->lost) gles->gl.DeleteBuffers(1, &gles->lit_triangle);
+    gles->lit_triangle = 0;
+}
+
+/* What an update needs and has not; reads errors only if there is anything to make. On failure nothing new is left. */
 static nacre_result make_objects(nacre_gles *gles, gles_lit *lit, int in_passes)
 {
     const int sums = in_passes && (gles->lit_sum[0].width != lit->size || gles->lit_sum[1].width != lit->size);
+    const int picture = !lit->texture, triangle = !gles->lit_triangle;
     gl_int framebuffer = 0;
     gles_upload_state state;
     nacre_result result;
-    if (lit->texture && gles->lit_triangle && !sums) return NACRE_OK;
+    int i;
+    if (!picture && !triangle && !sums) return NACRE_OK;
     result = gles_begin(gles);
     if (result) return result;
     gles->gl.GetIntegerv(GLES_FRAMEBUFFER_BINDING, &framebuffer);
     gles_upload_begin(gles, &state);
-    result = make_triangle(gles);
-    if (!result) result = make_picture(gles, lit);
-    if (!result && in_passes) result = make_sum(gles, &gles->lit_sum[0], lit->size);
-    if (!result && in_passes) result = make_sum(gles, &gles->lit_sum[1], lit->size);
+    result = make_missing(gles, lit, in_passes);
     gles_upload_end(gles, &state);
     if (!gles->lost) gles->gl.BindFramebuffer(gles_draw_target(gles), (gl_uint)framebuffer);
-    return result ? result : gles_check(gles, "lit sphere");
+    if (!result) return NACRE_OK;
+    if (picture) delete_picture(gles, lit);
+    if (triangle) delete_triangle(gles);
+    for (i = 0; i < 2 && sums && !gles->lost; i++) gles_sum_delete(gles, &gles->lit_sum[i]);
+    return result;
 }
 
 void gles_lit_abandon(gles_lit *lit)

@@ -22,12 +22,15 @@ typedef struct session {
     nacre_gles_desc desc;
     kit_model model;
     int normal, lights, points, perspective, prepare;
+    int lit;    /* 1: by a lit sphere */
+    int budget; /* of its updates */
 } session;
 
 /* The state of a run: each step may be repeated. */
 typedef struct run {
     kit_world w;
     nacre_gles_item item;
+    nacre_gles_lit lit;
     nacre_view view;
     int orphans; /* what abandon left, because there is no new context here */
 } run;
@@ -44,6 +47,28 @@ static nacre_result step_add(run *r, const session *s)
 {
     const nacre_material m = kit_material(&assets, s->model, s->normal);
     return nacre_gles_add(r->w.gles, &assets.ball, &m, &r->item);
+}
+
+static nacre_result step_lit_add(run *r, const session *s)
+{
+    const nacre_material m = kit_material(&assets, s->model, 0);
+    const nacre_gles_lit none = {0};
+    nacre_result result;
+    if (!s->lit) return NACRE_OK;
+    result = nacre_gles_lit_add(r->w.gles, &m, &(nacre_gles_lit_desc){.size = 16}, &r->lit);
+    return result ? result : nacre_gles_use_lit(r->w.gles, r->item, r->lit, none);
+}
+
+/* Until the picture is there. */
+static nacre_result step_update(run *r, const session *s)
+{
+    nacre_gles_lit_state state = {0};
+    nacre_result result = NACRE_OK;
+    while (s->lit && !result && !state.current) {
+        result = nacre_gles_lit_update(r->w.gles, r->lit, NULL, &r->view, (unsigned)s->budget);
+        nacre_gles_lit_get_state(r->w.gles, r->lit, &state);
+    }
+    return result;
 }
 
 static nacre_result step_prepare(run *r, const session *s)
@@ -73,6 +98,11 @@ static nacre_result step_restore(run *r, const session *s)
     return nacre_gles_restore(r->w.gles);
 }
 
+static nacre_result step_update_again(run *r, const session *s)
+{
+    return step_update(r, s);
+}
+
 static nacre_result step_draw_again(run *r, const session *s)
 {
     return step_draw(r, s);
@@ -81,15 +111,18 @@ static nacre_result step_draw_again(run *r, const session *s)
 static const struct {
     const char *name;
     step run;
-    int may_pass; /* a failed uniform or draw call is GL's own affair: drawing asks no errors */
+    int may_pass; /* a failed uniform or draw call is GL's own affair: drawing asks no errors, compiling drops them */
     int keeps;    /* programs and targets stay, so more objects may live than before */
 } steps[] = {
     {"init", step_init, 0, 0},
     {"add", step_add, 0, 0},
+    {"lit add", step_lit_add, 0, 0},
+    {"update", step_update, 1, 1},
     {"prepare", step_prepare, 0, 1},
     {"draw", step_draw, 1, 1},
     {"bind", step_bind, 1, 1},
     {"restore", step_restore, 0, 0},
+    {"update again", step_update_again, 1, 1},
     {"draw again", step_draw_again, 1, 1},
 };
 
@@ -114,7 +147,7 @@ static int run_session(const session *s, long n)
     kit_world_make(&r.w, &s->desc);
     r.view = kit_view(s->lights, s->points, s->perspective);
     r.view.ambient = nacre_rgb_from_float(0.1f, 0.1f, 0.1f);
-    r.item.id = 0;
+    r.item.id = r.lit.id = 0;
     const int count = fake_gl_snapshot(before);
     fake_gl_fail(n);
     for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
@@ -130,13 +163,16 @@ static int run_session(const session *s, long n)
                 fail_msg("call %ld (%s), %s: %d objects left", n, name, steps[i].name, fake_gl_live() - live);
             if (result && steps[i].run == step_init) assert_null(r.w.gles);
             if (result && steps[i].run == step_add) assert_int_equal(r.item.id, 0);
+            if (result && steps[i].run == step_lit_add) assert_int_equal(r.lit.id, 0);
             assert_same_state(before, count, n, steps[i].name);
             if (result) result = steps[i].run(&r, s);
         }
         if (result)
             fail_msg("call %ld (%s): %s said %d\n%s", n, fake_gl_failed_name(), steps[i].name, (int)result, r.w.log);
         assert_same_state(before, count, n, steps[i].name);
-        if (steps[i].run == step_add) assert_int_equal(fake_gl_texture_bytes(), nacre_gles_texture_bytes(r.w.gles));
+        if (!r.orphans && fake_gl_texture_bytes() != nacre_gles_texture_bytes(r.w.gles))
+            fail_msg("call %ld (%s): %s: %u bytes of textures, said to be %u", n, fake_gl_failed_name(), steps[i].name,
+                     (unsigned)fake_gl_texture_bytes(), (unsigned)nacre_gles_texture_bytes(r.w.gles));
     }
     nacre_gles_shutdown(r.w.gles);
     assert_int_equal(fake_gl_live(), r.orphans);
@@ -184,6 +220,16 @@ static void passes_on_fake(void **state)
             "ES 3.0, 8 lights in passes, 2 programs");
 }
 
+static void lit_on_fake(void **state)
+{
+    (void)state;
+    run_all(&(session){.model = KIT_TABLE, .lights = 2, .lit = 1}, "ES 2.0, lit sphere, 2 lights");
+    run_all(&(session){.model = KIT_SPHERES, .lights = 7, .perspective = 1, .lit = 1, .budget = 2},
+            "ES 2.0, lit sphere, 7 lights in passes, spread");
+    run_all(&(session){.gl = {.es = 3}, .model = KIT_SPHERES, .lights = 8, .lit = 1, .desc = {.max_programs = 2}},
+            "ES 3.0, lit sphere, 8 lights in passes, 2 programs");
+}
+
 /* The same around drivers, where a skipped call has consequences. */
 static void on_driver(gl_backend backend, const char *what)
 {
@@ -193,6 +239,7 @@ static void on_driver(gl_backend backend, const char *what)
         skip();
     }
     run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 1, .prepare = 1}, what);
+    run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SPHERES, .lights = 7, .lit = 1}, what);
     gl_headless_close(context);
 }
 
@@ -213,7 +260,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(on_fake_es2), cmocka_unit_test(on_fake_es2_unprepared),
         cmocka_unit_test(on_fake_es3), cmocka_unit_test(passes_on_fake),
-        cmocka_unit_test(on_egl2),     cmocka_unit_test(on_osmesa),
+        cmocka_unit_test(lit_on_fake), cmocka_unit_test(on_egl2),
+        cmocka_unit_test(on_osmesa),
     };
     int failed;
     kit_open(&assets);

@@ -22,11 +22,13 @@ typedef struct session {
     fake_gl_options gl;
     kit_model model;
     int normal, lights;
+    int lit; /* 1: by a lit sphere, updated 4 lights a call */
 } session;
 
 typedef struct run {
     kit_world w;
     nacre_gles_item item;
+    nacre_gles_lit lit;
     nacre_view view;
 } run;
 
@@ -36,12 +38,35 @@ static nacre_result add_item(run *r, const session *s)
     return nacre_gles_add(r->w.gles, &assets.ball, &m, &r->item);
 }
 
+static nacre_result add_lit(run *r, const session *s)
+{
+    const nacre_material m = kit_material(&assets, s->model, 0);
+    const nacre_gles_lit none = {0};
+    const nacre_result result =
+        r->lit.id ? NACRE_OK : nacre_gles_lit_add(r->w.gles, &m, &(nacre_gles_lit_desc){.size = 16}, &r->lit);
+    return result ? result : nacre_gles_use_lit(r->w.gles, r->item, r->lit, none);
+}
+
+static nacre_result update_lit(run *r)
+{
+    nacre_gles_lit_state state = {0};
+    nacre_result result = NACRE_OK;
+    while (!result && !state.current) {
+        result = nacre_gles_lit_update(r->w.gles, r->lit, NULL, &r->view, 4);
+        nacre_gles_lit_get_state(r->w.gles, r->lit, &state);
+        if (result) assert_int_equal(state.ready, 0);
+    }
+    return result;
+}
+
 /* Steps of a session; the first result that is not OK. */
 static nacre_result all_steps(run *r, const session *s)
 {
     nacre_result result = NACRE_OK;
     if (!r->w.gles) result = kit_world_init(&r->w);
     if (!result && !r->item.id) result = add_item(r, s);
+    if (!result && s->lit) result = add_lit(r, s);
+    if (!result && s->lit) result = update_lit(r);
     if (!result) result = nacre_gles_prepare(r->w.gles, r->item, &r->view);
     if (!result) result = nacre_gles_draw(r->w.gles, r->item, &r->view);
     if (!result) result = nacre_gles_bind(r->w.gles, r->item, &r->view, NULL);
@@ -63,6 +88,7 @@ static void assert_silent(run *r, const session *s, int known)
         assert_int_equal(nacre_gles_draw(r->w.gles, r->item, &r->view), NACRE_ERR_LOST);
         assert_int_equal(nacre_gles_prepare(r->w.gles, r->item, &r->view), NACRE_ERR_LOST);
     }
+    if (r->lit.id) assert_int_equal(nacre_gles_lit_update(r->w.gles, r->lit, NULL, &r->view, 0), NACRE_ERR_LOST);
     nacre_gles_unbind(r->w.gles);
     if (known) assert_int_equal(nacre_gles_restore(r->w.gles), NACRE_ERR_LOST); /* abandon comes first */
     if (known) nacre_gles_abandon(r->w.gles);
@@ -137,6 +163,13 @@ static void at_every_call_of_passes(void **state)
     lose_all(&(session){.model = KIT_SPHERES, .lights = 7}, "ES 2.0, 7 lights in passes");
 }
 
+static void at_every_call_of_updates(void **state)
+{
+    (void)state;
+    lose_all(&(session){.model = KIT_TABLE, .lights = 7, .lit = 1}, "ES 2.0, lit sphere, 7 lights spread");
+    lose_all(&(session){.gl = {.es = 3}, .model = KIT_SPHERES, .lights = 8, .lit = 1}, "ES 3.0, lit sphere");
+}
+
 /* Losing the context again while restoring. */
 static void while_restoring(void **state)
 {
@@ -181,7 +214,7 @@ static image_u8 picture(run *r)
 
 static void pictures_return(gl_backend backend, const char *what)
 {
-    const session s = {.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 1};
+    const session s = {.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 5, .lit = 1};
     run r;
     int covered;
     long n = 1;
@@ -234,9 +267,9 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(at_every_call_es2),       cmocka_unit_test(at_every_call_es3),
-        cmocka_unit_test(at_every_call_of_passes), cmocka_unit_test(while_restoring),
-        cmocka_unit_test(pictures_return_egl2),    cmocka_unit_test(pictures_return_egl3),
-        cmocka_unit_test(pictures_return_osmesa),
+        cmocka_unit_test(at_every_call_of_passes), cmocka_unit_test(at_every_call_of_updates),
+        cmocka_unit_test(while_restoring),         cmocka_unit_test(pictures_return_egl2),
+        cmocka_unit_test(pictures_return_egl3),    cmocka_unit_test(pictures_return_osmesa),
     };
     int failed;
     kit_open(&assets);
