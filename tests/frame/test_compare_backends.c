@@ -41,10 +41,10 @@ static const struct {
 } cases[CASES] = {
     /* n.l alone: shows that the geometry is exact to a fraction of a code */
     {"lambert:albedo=.5", DEFAULT_TABLE, 0, {0.5, 5.5, 1.2}, {2.2, 6, 2.8}, {70, 55.5, 62}},
-    {"sgd:red-plastic", DEFAULT_TABLE, 40, {0.4, 5.2, 0}, {1.3, 4.8, 0}, {66, 52, 0}},
+    {"sgd:red-plastic", DEFAULT_TABLE, 40, {0.4, 5.2, 0.4}, {1.3, 4.8, 0.6}, {66, 52, 61}},
     {"sgd:chrome", DEFAULT_TABLE, 0, {0.4, 0.9, 0.4}, {0.4, 0.5, 0.4}, {61, 53, 60}},
     {"sgd:gold-metallic-paint", FINE_TABLE, 0, {1.4, 6.3, 1.5}, {4.5, 7, 4.6}, {61, 52, 60}},
-    {"sgd:white-diffuse-bball", SPHERES, 0, {0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, {57, 56, 58}},
+    {"sgd:white-diffuse-bball", SPHERES, 0, {0.4, 1.2, 0.5}, {1.5, 2, 1.5}, {57, 55, 55}},
 };
 
 /* ---- a child draws and keeps all frames ------------------------------------------------------------------------------ */
@@ -201,7 +201,9 @@ static void test_draw(void **state)
     assert_int_equal(code, 0);
 }
 
-/* In this process: it needs no driver. It draws for distant eyes only, and says so. */
+/* In this process: it needs no driver. What it can't draw it says, in one line, and is left out below. */
+static int soft_lacks[CASES];
+
 static void soft_draws(void **state)
 {
     compare_device *device;
@@ -212,33 +214,15 @@ static void soft_draws(void **state)
     assert_non_null(out);
     assert_int_equal(compare_device_open(&device, COMPARE_SOFT, &f), 0);
     for (int i = 0; i < CASES; i++) {
-        double exposure = all[i].truth.exposure;
-        if (cases[i].fov_deg > 0) {
+        int code = draw_case(device, i, all[i].truth.exposure, kept, out);
+        soft_lacks[i] = code == FAIL_UNSUPPORTED && cases[i].kind == SPHERES;
+        if (soft_lacks[i])
             assert_int_equal(fseek(out, (long)(i + 1) * METRIC_LIGHTS * METRIC_FRAMES * FRAME_BYTES, SEEK_SET), 0);
-            continue;
-        }
-        assert_int_equal(draw_case(device, i, exposure, kept, out), 0);
+        else
+            assert_int_equal(code, 0);
     }
     compare_device_close(device);
     assert_int_equal(fclose(out), 0);
-}
-
-static void soft_refuses_near_eyes(void **state)
-{
-    char path[300];
-    compare_device *device;
-    compare_asset asset;
-    compare_result r;
-    failure f = {0};
-
-    (void)state;
-    snprintf(path, sizeof path, "%s/1.ktx2", kept);
-    assert_int_equal(compare_device_open(&device, COMPARE_SOFT, &f), 0);
-    assert_int_equal(compare_asset_open(&asset, path, &f), 0);
-    assert_int_equal(compare_run(&r, NULL, &all[1].truth, &asset, device, &f), FAIL_UNSUPPORTED);
-    assert_non_null(strstr(f.text, "--perspective"));
-    compare_asset_close(&asset);
-    compare_device_close(device);
 }
 
 /* Frames of a driver and a case; 0 where the driver was skipped. */
@@ -286,7 +270,7 @@ static void figures_are_those_of_double(void **state)
     (void)state;
     for (int at = 0; at <= soft_index(); at++)
         for (int i = 0; i < CASES; i++)
-            if (at != soft_index() || !(cases[i].fov_deg > 0)) failed += !check_case(at, i);
+            if (at != soft_index() || !soft_lacks[i]) failed += !check_case(at, i);
     assert_int_equal(failed, 0);
 }
 
@@ -335,7 +319,6 @@ int main(int argc, char **argv)
     for (int i = 0; i < driver_count; i++)
         tests[count++] = (struct CMUnitTest){drivers[i].name, test_draw, NULL, NULL, (void *)(intptr_t)i};
     tests[count++] = (struct CMUnitTest)cmocka_unit_test(soft_draws);
-    tests[count++] = (struct CMUnitTest)cmocka_unit_test(soft_refuses_near_eyes);
     tests[count++] = (struct CMUnitTest)cmocka_unit_test(figures_are_those_of_double);
     tests[count++] = (struct CMUnitTest)cmocka_unit_test(contexts_of_one_driver_agree);
     tests[count++] = (struct CMUnitTest)cmocka_unit_test(half_floats_cost_little);

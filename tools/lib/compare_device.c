@@ -106,8 +106,6 @@ int compare_device_draw(metric_frames *out, const compare_device *d, const compa
 {
     scene s;
     int code = aim(&s, d, fov_deg, f);
-    if (!code && fov_deg > 0 && d->backend == COMPARE_SOFT)
-        code = fail(f, FAIL_UNSUPPORTED, "--backend soft: draws for distant eyes only, expected no --perspective");
     *out = (metric_frames){0};
     for (int i = 0; i < METRIC_FRAMES * METRIC_LIGHTS && !code; i++) {
         int frame = i % METRIC_FRAMES, light = i / METRIC_FRAMES;
