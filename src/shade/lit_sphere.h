@@ -4,7 +4,7 @@
  *
  * The picture's place p (SHADE_LIT_HALF at its edges, 0 in its middle) holds the normal n whose bisector with the eye has
  * these x and y: n = 2 sqrt(1 - |p|^2) (p, 0) + (1 - 2 |p|^2) z, in the turned frame of shade_setup (an equal-area map of
- * the directions, Lambert 1772). Row 0 is the top (+y). Beyond the rim, |p|^2 > 1/2, the map goes on by 7 degrees.
+ * the directions, Lambert 1772). Row 0 is the top (+y). Beyond the rim, |p|^2 > 1/2, the map goes on by 16 degrees.
  *
  * Any rows may be asked for, in any order and at any time: a picture made row by row over several frames has the same bits.
  */
@@ -13,8 +13,8 @@
 
 #include "eval.h"
 
-#define SHADE_LIT_LEAST    8     /* texels a side */
-#define SHADE_LIT_MOST     512
+#define SHADE_LIT_LEAST 8 /* texels a side */
+#define SHADE_LIT_MOST  512
 
 /* Kernels of one instruction set; all give the same bits. */
 typedef struct shade_lit_kernels {

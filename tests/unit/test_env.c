@@ -277,10 +277,10 @@ static void broken_files_are_refused_in_one_line(void **state)
         {"#?RADIANCE\n\n-Y 1 +X 2\nabcdefg", FAIL_INVALID, "ends in the texels"},
         {"#?RADIANCE\n\n-Y 1 +X 2\n\1\1\1\2", FAIL_INVALID, "run"},
         {"#?RADIANCE\n\n-Y 1 +X 2\nabcd\1\1\1\2", FAIL_INVALID, "run"},
-        {"PF\n2\n-1\n", FAIL_INVALID, "width and height"},
+        {"PF\n2\n-1\n", FAIL_INVALID, "width, height"},
         {"PF\n2 1\n0\n", FAIL_INVALID, "scale"},
-        {"PF\n2 1\n-1\nabcdefghijklmnopqrstuvw", FAIL_INVALID, "ends in the texels"},
-        {"PF\n3 1\n-1\n", FAIL_INVALID, "twice as wide"},
+        {"PF\n2 1\n-1\nabcdefghijklmnopqrstuvw", FAIL_INVALID, "23 bytes of floats, expected 24"},
+        {"PF\n1 1\n-1\nabcdefghijkl", FAIL_INVALID, "twice as wide"},
     };
     for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
         bytes file = {0};

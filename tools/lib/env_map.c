@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "output.h"
+#include "pfm_io.h"
 
 #define PI 3.14159265358979323846
 
@@ -279,45 +280,25 @@ static int read_radiance(reader *r, env_map *map, failure *f)
     return radiance_rows(r, map, f);
 }
 
-/* ---- portable float map: PF (RGB) or Pf (grey), size, scale (negative: little-endian), rows from the bottom ------- */
+/* ---- portable float map ------------------------------------------------------------------------------------------ */
 
-static double pfm_value(const uint8_t *p, int little)
+static int read_pfm(reader *r, env_map *map, failure *f)
 {
-    const uint32_t bits = little ? (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24
-                                 : (uint32_t)p[3] | (uint32_t)p[2] << 8 | (uint32_t)p[1] << 16 | (uint32_t)p[0] << 24;
-    float value;
+    image_f32 picture;
+    int code = pfm_read(&picture, r->path, f), i, j, k;
 
-    memcpy(&value, &bits, sizeof value);
-    return value;
-}
-
-static int read_pfm(reader *r, int channels, env_map *map, failure *f)
-{
-    char line[100], end;
-    long width, height;
-    double order;
-    int code, i, j, k;
-
-    if (!next_line(r, line, sizeof line)) return cut_short(r, "header", f);
-    if (sscanf(line, "%ld %ld%c", &width, &height, &end) != 2)
-        return fail(f, FAIL_INVALID, "%s: found '%s', expected width and height", r->path, printable(line));
-    if (!next_line(r, line, sizeof line)) return cut_short(r, "header", f);
-    if (sscanf(line, "%lf%c", &order, &end) != 1 || !(order != 0 && isfinite(order)))
-        return fail(f, FAIL_INVALID, "%s: found '%s', expected a scale, negative for little-endian", r->path,
-                    printable(line));
-    if ((code = check_size(r, width, height, f))) return code;
-    if ((r->file.size - r->at) / 4 / (size_t)channels < (size_t)width * (size_t)height)
-        return cut_short(r, "texels", f);
-    make_texels(map, width, height);
-    r->flip_y = 1;
-    for (j = 0; j < map->height; j++)
-        for (i = 0; i < map->width; i++) {
+    if (code) return code;
+    code = check_size(r, picture.width, picture.height, f);
+    if (!code) make_texels(map, picture.width, picture.height);
+    for (j = 0; j < picture.height && !code; j++)
+        for (i = 0; i < picture.width; i++) {
+            const float *texel = picture.texel + (size_t)(j * picture.width + i) * (size_t)picture.channels;
             double value[3];
-            for (k = 0; k < 3; k++) value[k] = pfm_value(r->file.data + r->at + (channels == 3 ? 4 * k : 0), order < 0);
+            for (k = 0; k < 3; k++) value[k] = texel[picture.channels == 3 ? k : 0];
             store(map, r, i, j, value);
-            r->at += 4 * (size_t)channels;
         }
-    return FAIL_NONE;
+    image_f32_free(&picture);
+    return code;
 }
 
 /* ---- either ------------------------------------------------------------------------------------------------------ */
@@ -337,7 +318,7 @@ int env_map_open(env_map *out, const char *path, failure *f)
     else if (!strcmp(line, "#?RADIANCE") || !strcmp(line, "#?RGBE"))
         code = read_radiance(&r, &map, f);
     else if (!strcmp(line, "PF") || !strcmp(line, "Pf"))
-        code = read_pfm(&r, line[1] == 'F' ? 3 : 1, &map, f);
+        code = read_pfm(&r, &map, f);
     else
         code = fail(f, FAIL_INVALID, "%s: found '%s', expected #?RADIANCE, #?RGBE, PF or Pf", path, printable(line));
     bytes_free(&r.file);
