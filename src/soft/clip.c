@@ -41,7 +41,9 @@ static int16_t between(int16_t a, int16_t b, int64_t part_q30)
 /* Where the way from inside to outside meets the plane: from the same end for both triangles at an edge. */
 static void cross(corner *out, const corner *in, const corner *beyond, int64_t d_in, int64_t d_beyond)
 {
-    const int64_t part_q30 = fx_div(d_in * 65536, fx_shift(d_in - d_beyond, 14));
+    const int64_t all = d_in - d_beyond; /* > 0 */
+    const int down = all >> 32 ? fx_top_bit((uint64_t)all) - 31 : 0;
+    const int64_t part_q30 = fx_div((d_in >> down) * ((int64_t)1 << 30), all >> down);
     int i;
 
     for (i = 0; i < 4; i++)

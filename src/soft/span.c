@@ -13,7 +13,10 @@ static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t 
     const int32_t length = (int32_t)(shade_lut_unit[(uint32_t)(x * x + y * y + z * z) >> 20] * scale >> 15);
     const int32_t half = lit->size * 32768;
 
-    return (uint32_t)((half - y * length) >> 16) * lit->size + (uint32_t)((half + x * length) >> 16);
+    const uint32_t at = (uint32_t)((half - y * length) >> 16) * lit->size + (uint32_t)((half + x * length) >> 16);
+
+    /* far corners of a triangle at the eye have few bits: their sums may point anywhere */
+    return at < (uint32_t)lit->size * lit->size ? at : 0;
 }
 
 void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to)

@@ -201,7 +201,10 @@ void soft_to_half(int16_t n[3])
     n[0] = (int16_t)x;
     n[1] = (int16_t)y;
     n[2] = (int16_t)z;
-    if (z * z < across - (across >> 3)) { /* (z / |xy|)^2 >= 0.875, and 0.91 from here on */
+    if (across + z * z > (1 << 28) + (1 << 18)) { /* the unit normal of next to nothing may be 1.39 long */
+        n[0] = n[1] = 0;
+        n[2] = 16384;
+    } else if (z * z < across - (across >> 3)) { /* (z / |xy|)^2 >= 0.875, and 0.91 from here on */
         uint32_t xy = shade_pack_xy(2 * x, 2 * y);
         int16_t none = 0;
 
