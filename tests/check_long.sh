@@ -11,6 +11,10 @@ for t in unit/test_paper002 frame/test_fp16; do
     NACRE_LONG=1 "$build/release/tests/$t"
 done
 
+echo "== random meshes, many"
+NACRE_LONG=1 "$build/release/tests/fault/test_soft_random"
+make --no-print-directory BUILD="$build" same-bits bare-metal
+
 mkdir -p "$build/fuzz"
 for target in tests/fault/fuzz_*.c; do
     name=$(basename "$target" .c)

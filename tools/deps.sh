@@ -53,6 +53,12 @@ probe() {
     command_in gcc-arm-none-eabi arm-none-eabi-gcc
     file_in libnewlib-arm-none-eabi /usr/lib/arm-none-eabi/include/string.h /usr/arm-none-eabi/include/string.h
     [ "$what" = test ] && return
+    command_in qemu-user qemu-aarch64
+    command_in qemu-system-arm qemu-system-arm
+    command_in gcc-aarch64-linux-gnu aarch64-linux-gnu-gcc
+    command_in gcc-arm-linux-gnueabihf arm-linux-gnueabihf-gcc
+    command_in gcc-riscv64-linux-gnu riscv64-linux-gnu-gcc
+    command_in gcc-s390x-linux-gnu s390x-linux-gnu-gcc
     file_in libclang-rt-14-dev /usr/lib/llvm-*/lib/clang/*/lib/*/libclang_rt.fuzzer*.a
 }
 

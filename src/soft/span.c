@@ -42,19 +42,25 @@ void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, i
     }
 }
 
-/* The same with directions per pixel. */
+/* The same with directions per pixel, a few at a time. */
 static void shade_near(const soft_item *item, const uint32_t *xy, const int16_t *z, const uint16_t *depth, int32_t x,
                        int32_t y, int count, shade_rgb radiance)
 {
-    int32_t place[3][BATCH];
+    enum { FEW = 8 };
+    int32_t place[3][FEW];
     int32_t *const position[3] = {place[0], place[1], place[2]};
-    uint32_t eye_xy[BATCH];
-    int16_t eye_z[BATCH];
-    const shade_seen seen = {xy, eye_xy, z, eye_z, {place[0], place[1], place[2]}, count};
-    int i;
+    uint32_t eye_xy[FEW];
+    int16_t eye_z[FEW];
+    int i, k;
 
-    soft_lens_look(item, x, y, depth, count, position, eye_xy, eye_z);
-    for (i = 0; i < item->lights; i++) shade_table_persp_add(item->near, &item->near_light[i], &seen, radiance);
+    for (i = 0; i < count; i += FEW) {
+        const int now = count - i < FEW ? count - i : FEW;
+        const shade_seen seen = {xy + i, eye_xy, z + i, eye_z, {place[0], place[1], place[2]}, now};
+        const shade_rgb part = {radiance.r + i, radiance.g + i, radiance.b + i};
+
+        soft_lens_look(item, x + i, y, depth + i, now, position, eye_xy, eye_z);
+        for (k = 0; k < item->lights; k++) shade_table_persp_add(item->near, &item->near_light[k], &seen, part);
+    }
 }
 
 /* Up to BATCH pixels of an item, by its own model. */

@@ -20,7 +20,7 @@ if [ -d "$build/m0" ]; then
             echo "$own" | grep -qx "$s" && continue
             echo "$s" | grep -Eq "$allowed" && continue
             case $o in
-            */fx_div.o | */setup.o | */transform.o | */soft/prepare.o | */soft/context.o) echo "$s" | grep -Eq "$division" && continue ;;
+            */fx_div.o | */setup.o | */shade/material.o | */transform.o | */soft/prepare.o | */soft/context.o) echo "$s" | grep -Eq "$division" && continue ;;
             esac
             complain "$o calls $s"
         done
