@@ -70,6 +70,22 @@ static uint16_t limit(const gles_procs *gl, gl_enum name, gl_int floor, gl_int c
     return (uint16_t)v;
 }
 
+/* Of the GPUs whose compilers we know, only Bifrost (Mali-G31, G51, G52, G71, G72, G76) looks x^n of one lobe up faster than
+   it computes it: 1.54 cycles against 1.79. */
+static int has_fast_tables(const char *renderer)
+{
+    static const char name[] = "Mali-G", models[] = "315152717276";
+    const char *m;
+    unsigned i = 0;
+    for (; renderer && *renderer; renderer++) {
+        for (i = 0; name[i] && renderer[i] == name[i]; i++) continue;
+        if (name[i]) continue;
+        for (m = models; *m; m += 2)
+            if (renderer[i] == m[0] && renderer[i + 1] == m[1]) return 1;
+    }
+    return 0;
+}
+
 nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl)
 {
     const char *text = (const char *)gl->GetString(GLES_VERSION);
@@ -99,6 +115,7 @@ nacre_result gles_caps_read(gles_caps *caps, const gles_procs *gl)
     c.units = (uint8_t)limit(gl, GLES_MAX_TEXTURE_IMAGE_UNITS, 2, GLES_MAX_UNITS);
     c.fragment_vectors = limit(gl, GLES_MAX_FRAGMENT_UNIFORM_VECTORS, 16, 4096);
     c.vertex_vectors = limit(gl, GLES_MAX_VERTEX_UNIFORM_VECTORS, 128, 4096);
+    c.power_table = has_fast_tables((const char *)gl->GetString(GLES_RENDERER));
     *caps = c;
     return NACRE_OK;
 }

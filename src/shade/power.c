@@ -58,7 +58,8 @@ uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsign
     int64_t above = 0; /* twice what the chords to either side lie above it in their middles */
 
     if (column + 1 == width) return 65535;
-    if (column) above += power_at(at - 2, width, n_q16) + value - 2 * power_at(at - 1, width, n_q16);
+    if (!column) return 0; /* where x <= 0 */
+    above += power_at(at - 2, width, n_q16) + value - 2 * power_at(at - 1, width, n_q16);
     above += power_at(at + 2, width, n_q16) + value - 2 * power_at(at + 1, width, n_q16);
     above = value - fx_shift(above, 3);
     return above < 0 ? 0 : above > 65535 ? 65535 : (uint32_t)above;

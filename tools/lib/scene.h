@@ -104,6 +104,8 @@ int scene_draw_gles(const scene *s, const nacre_material *material, gl_backend b
 /* One context for many shots of one size. */
 typedef struct scene_gles scene_gles;
 int scene_gles_open(scene_gles **out, gl_backend backend, int width, int height, failure *f);
+/* The same with x^n of varying materials by nacre_gles_power. */
+int scene_gles_open_power(scene_gles **out, gl_backend backend, int power, int width, int height, failure *f);
 int scene_gles_draw(scene_gles *g, const scene *s, const nacre_material *material, image_u8 *out, failure *f);
 const char *scene_gles_description(const scene_gles *g);
 int scene_gles_mediump_is_half(scene_gles *g); /* fp16, as on small GPUs; draws a probe */

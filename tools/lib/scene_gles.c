@@ -82,6 +82,11 @@ static void load(void *function, const char *name)
 
 int scene_gles_open(scene_gles **out, gl_backend backend, int width, int height, failure *f)
 {
+    return scene_gles_open_power(out, backend, NACRE_GLES_POWER_AUTO, width, height, f);
+}
+
+int scene_gles_open_power(scene_gles **out, gl_backend backend, int power, int width, int height, failure *f)
+{
     scene_gles *g = need_memory(1, sizeof *g);
     nacre_gles_desc desc = {.get_proc = gl_headless_proc, .log = keep_log, .user = g, .max_items = 64};
     int code = gl_headless_open(&g->context, backend, width, height, f), largest[2] = {0, 0};
@@ -91,6 +96,7 @@ int scene_gles_open(scene_gles **out, gl_backend backend, int width, int height,
         return code;
     }
     desc.prefer_es2 = backend == GL_BACKEND_EGL2;
+    desc.power = (uint8_t)power;
     g->width = width;
     g->height = height;
     load(&g->gl.gen_buffers, "glGenBuffers");

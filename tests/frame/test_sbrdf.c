@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Materials that vary over the surface, on every driver, against the double evaluation of the same 8-bit parameters: one to
+ * three lobes, x^n computed and by the table, directional and point lights, near and distant viewers, normal maps,
+ * directions of anisotropy; eight lights, which GLSL ES 1.00 draws in passes.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cases.h"
+#include "drivers.h"
+#include "nacre_gles.h"
+#include "power_file.h"
+#include "sbrdf_map.h"
+
+#include <cmocka.h> /* last: it makes a macro of fail */
+
+/* Maps of one texel: no filter comes in between. fp32: what is asked of highp, of every pixel inside. The display curve is
+   1.2 codes off at most, the table 1.5 at n = 255. fp16: x is off by up to 2^-11, x^255 by 12 %: reached is 5. Normal maps
+   are filtered, to 8 bits on llvmpipe: n.h is off by 1/255 where they are steep, 8 codes in highlights of n = 255. */
+static const compare_bound fp32 = {-3, 3, 0, 0.01}, fp16 = {-6, 6, 0, 0.01}, bumpy = {-3, 3, 0.004, 0.01},
+                           bumpy_fp16 = {-6, 6, 0.004, 0.01};
+static const double most_mean = 0.5;
+
+static uint32_t state;
+static double uniform(double low, double high)
+{
+    state = state * 1664525u + 1013904223u;
+    return low + (high - low) * (state >> 8) / 16777216.0;
+}
+
+/* One texel: forward lobes, off-specular ones, a retroreflective one, anisotropic ones. */
+static void paint(sbrdf_map *m, unsigned seed, int lobes, int direction)
+{
+    static const double exponents[] = {3, 6, 12, 40, 120, 255}; /* the table is for 3 and more */
+    state = 77 + 1000 * seed;
+    sbrdf_map_make(m, 1, 1, lobes, direction, 1);
+    m->albedo_most = uniform(0.3, 1);
+    for (int c = 0; c < 4; c++) m->albedo[0][c] = (uint8_t)(c < 3 ? uniform(0, 200) : 255);
+    for (int j = 0; j < lobes; j++) {
+        uint8_t *albedo = m->lobe[0] + 8 * j, *shape = albedo + 4;
+        const double cx = uniform(0.7, 1), cy = j == 1 ? uniform(0.3, 0.9) : cx, back = j == 2 ? 1 : -1;
+        m->most[j] = uniform(0.5, 2);
+        m->shape_most[j] = j == 1 ? 1.5 : 1;
+        for (int c = 0; c < 3; c++) albedo[c] = (uint8_t)uniform(20, 255);
+        albedo[3] = 255;
+        shape[0] = (uint8_t)sbrdf_shape_code(back * cx, m->shape_most[j]);
+        shape[1] = (uint8_t)sbrdf_shape_code(back * cy, m->shape_most[j]);
+        shape[2] = (uint8_t)sbrdf_shape_code(uniform(0.8, 1), m->shape_most[j]);
+        shape[3] = (uint8_t)sbrdf_exponent_code(exponents[(seed + 2 * (unsigned)j) % 6]);
+    }
+    if (!direction) return;
+    m->lobe[0][3] = (uint8_t)sbrdf_shape_code(0.8, 1);
+    m->lobe[0][8 + 3] = (uint8_t)sbrdf_shape_code(-0.6, 1);
+}
+
+typedef struct material {
+    bytes file[3];
+    nacre_image image[3];
+    nacre_material runtime;
+    brdf *exact;
+} material;
+
+static void material_open(material *out, sbrdf_map *m)
+{
+    const power_file power = {256, 256};
+    memset(out, 0, sizeof *out);
+    sbrdf_map_write(m, &out->file[0], &out->file[1]);
+    power_file_write(&power, &out->file[2]);
+    for (int i = 0; i < 3; i++)
+        if (nacre_image_open(&out->image[i], out->file[i].data, out->file[i].size)) exit(1);
+    out->runtime.model = NACRE_MODEL_SBRDF;
+    out->runtime.image[NACRE_ROLE_ALBEDO] = &out->image[0];
+    out->runtime.image[NACRE_ROLE_LOBES] = &out->image[1];
+    out->runtime.image[NACRE_ROLE_POWER] = &out->image[2];
+    out->exact = sbrdf_map_brdf(m);
+}
+
+static void material_close(material *m)
+{
+    brdf_close(m->exact);
+    for (int i = 0; i < 3; i++) bytes_free(&m->file[i]);
+}
+
+static const struct {
+    frame_case frame;
+    int direction;
+} cases[] = {
+    {{.name = "directional", .lights = 1, .exposure = 1}, 0},
+    {{.name = "square root", .lights = 1, .exposure = 1, .output = NACRE_OUTPUT_SQRT}, 1},
+    {{.name = "two points, near viewer", .camera = CASE_PERSPECTIVE, .lights = 1, .points = 2, .exposure = 0.7}, 0},
+    {{.name = "eight", .lights = 8, .exposure = 0.5}, 1},
+    {{.name = "normal map", .lights = 2, .normal_map = 1, .exposure = 1}, 1},
+};
+enum { CASES = sizeof cases / sizeof *cases, SEEDS = 6 };
+
+typedef struct run {
+    const driver *d;
+    scene_gles *g;
+    mesh sphere;
+    case_asset bumpy; /* for its normal map */
+    const char *power;
+    int failed;
+} run;
+
+static void draw_case(run *r, int index, int lobes, unsigned seed)
+{
+    const frame_case *c = &cases[index].frame;
+    const compare_bound *const bound = r->d->half      ? c->normal_map ? &bumpy_fp16 : &fp16
+                                       : c->normal_map ? &bumpy
+                                                       : &fp32;
+    char name[120];
+    sbrdf_map map;
+    material m;
+    scene s;
+    image_u8 actual, expected;
+    compare_result result;
+    failure f = {0};
+
+    paint(&map, seed, lobes, cases[index].direction);
+    material_open(&m, &map);
+    if (c->normal_map) m.runtime.image[NACRE_ROLE_NORMAL] = &r->bumpy.normal_image;
+    case_scene(&s, c, &r->sphere, r->d->size, r->d->size);
+    if (scene_gles_draw(r->g, &s, &m.runtime, &actual, &f) ||
+        scene_draw_double(&s, m.exact, NULL, c->normal_map ? &r->bumpy.normal_map : NULL, &expected, &f)) {
+        printf("%s\n", f.text);
+        exit(1);
+    }
+    snprintf(name, sizeof name, "sbrdf %s, %s, %s, %d lobes, seed %u", r->d->name, c->name, r->power, lobes, seed);
+    r->failed += !compare_frames(name, &actual, &expected, 1, bound, &result);
+    if (result.mean > most_mean) {
+        printf("%s: mean %.3f\n", name, result.mean);
+        r->failed++;
+    }
+    image_u8_free(&actual);
+    image_u8_free(&expected);
+    material_close(&m);
+}
+
+static int run_driver(int index)
+{
+    static const char *const names[] = {"auto", "pow", "table"};
+    run r = {.d = &drivers[index]};
+    failure f = {0};
+
+    case_asset_open(&r.bumpy, CASE_TABLE, "lambert:albedo=.5", 1, NULL);
+    if (mesh_open(&r.sphere, "sphere", &f)) return 1;
+    for (int power = NACRE_GLES_POWER_COMPUTED; power <= NACRE_GLES_POWER_TABLE; power++) {
+        if (scene_gles_open_power(&r.g, r.d->backend, power, r.d->size, r.d->size, &f)) {
+            printf("SKIPPED: driver %s: %s\n", r.d->name, f.text);
+            return DRIVER_SKIPPED;
+        }
+        r.power = names[power];
+        for (int i = 0; i < CASES; i++)
+            for (int lobes = 1; lobes <= 3; lobes++)
+                for (unsigned seed = 0; seed < (i ? 2 : SEEDS); seed++) draw_case(&r, i, lobes, seed + (unsigned)i);
+        scene_gles_close(r.g);
+    }
+    mesh_free(&r.sphere);
+    case_asset_close(&r.bumpy);
+    return r.failed ? 1 : 0;
+}
+
+static void test_driver(void **state_)
+{
+    const int code = driver_run((int)(intptr_t)*state_, "sbrdf");
+
+    if (code == DRIVER_SKIPPED) skip();
+    assert_int_equal(code, 0);
+}
+
+int main(int argc, char **argv)
+{
+    struct CMUnitTest tests[8];
+    const char *argument;
+    const int index = driver_of_arguments(argc, argv, &argument);
+
+    if (index >= 0) return run_driver(index);
+    for (int i = 0; i < driver_count; i++)
+        tests[i] = (struct CMUnitTest){drivers[i].name, test_driver, NULL, NULL, (void *)(intptr_t)i};
+    return _cmocka_run_group_tests("sbrdf", tests, (size_t)driver_count, NULL, NULL);
+}
