@@ -23,7 +23,7 @@ typedef struct bench_settings { /* from the command line */
 
 /* A table: measure, print, and write the JSON. Returns an exit code (failure.h). */
 typedef int bench_table(const bench_settings *settings, failure *f);
-bench_table bench_models, bench_paper002, bench_cpu;
+bench_table bench_models, bench_paper000, bench_paper002, bench_cpu;
 
 /* Milliseconds a frame: medians over the rounds. */
 typedef struct bench_time {

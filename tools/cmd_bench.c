@@ -15,6 +15,8 @@ typedef struct table_entry {
 
 static const table_entry tables[] = {
     {"models", bench_models, "every model under 1, 2, 4 and 8 lights shaded directly (the default)"},
+    {"paper000", bench_paper000,
+     "texels that all differ, by lights and lobes, as in tables 1 and 2 of McAllister et al."},
     {"paper002", bench_paper002, "teapot and bunny by lights, as in table I of Mihalik and Durikovic: direct and lit"},
     {"cpu", bench_cpu, "the CPU renderer beside Mesa's, by instruction set, path, mesh and lights"},
 };
