@@ -147,7 +147,7 @@ static double dot(const double *a, const double *b, int count)
 /* Solve gram x = right over the columns of mask by Cholesky. 0 if they hardly differ from each other. */
 static int solve_subset(double gram[MAX_COLUMNS][MAX_COLUMNS], const double *right, unsigned mask, double *x)
 {
-    int index[MAX_COLUMNS], n = 0;
+    int index[MAX_COLUMNS] = {0}, n = 0;
     double l[MAX_COLUMNS][MAX_COLUMNS], y[MAX_COLUMNS];
     for (int i = 0; i < MAX_COLUMNS; i++)
         if (mask >> i & 1) index[n++] = i;
