@@ -110,7 +110,7 @@ static key_kind kind_of(const char *name)
     } kinds[] = {
         {"KTXorientation", KEY_TEXT},     {"KTXwriter", KEY_TEXT},     {NACRE_KEY_VERSION, KEY_U32},
         {NACRE_KEY_ROLE, KEY_TEXT},       {NACRE_KEY_NAME, KEY_TEXT},  {NACRE_KEY_TRANSFER, KEY_TEXT},
-        {NACRE_KEY_ETC1, KEY_U32},        {NACRE_KEY_ALBEDO, KEY_Q16}, {NACRE_KEY_TABLE, KEY_Q16},
+        {NACRE_KEY_ETC1, KEY_U32},        {NACRE_KEY_QUARTERS, KEY_U32},        {NACRE_KEY_ALBEDO, KEY_Q16}, {NACRE_KEY_TABLE, KEY_Q16},
         {NACRE_KEY_LIGHT_POLAR, KEY_BAM}, {NACRE_KEY_COSINE, KEY_U32}, {NACRE_KEY_SCALE, KEY_Q16},
         {NACRE_KEY_DISC, KEY_Q16},
     };
@@ -282,6 +282,9 @@ static int report_table(report *r, const nacre_image *image, failure *f)
 
 static int report_spheres(report *r, const nacre_image *image, failure *f)
 {
+    static const char *const modes[] = {[SPHERE_QUARTER] = "cosine-free, quarters about the half vector",
+                                        [SPHERE_COSINE_FREE] = "cosine-free",
+                                        [SPHERE_PAPER] = "with the cosine (paper mode)"};
     sphere_asset s = {0};
     char angles[400] = "", sentence[900];
     size_t n = 0;
@@ -290,9 +293,8 @@ static int report_spheres(report *r, const nacre_image *image, failure *f)
     for (int i = 0; i < s.layers && n < sizeof angles - 16; i++)
         n += (size_t)snprintf(angles + n, sizeof angles - n, "%s%.4g", i ? ", " : "", s.polar[i]);
     snprintf(sentence, sizeof sentence, "sphere images of %s, lit from %s degrees, %s%s",
-             s.name[0] ? s.name : "an unnamed BRDF", angles,
-             s.mode == SPHERE_PAPER ? "with the cosine (paper mode)" : "cosine-free",
-             s.disc < 1 ? ", padded beyond the rim" : ", not padded");
+             s.name[0] ? s.name : "an unnamed BRDF", angles, modes[s.mode],
+             s.mode == SPHERE_QUARTER ? "" : s.disc < 1 ? ", padded beyond the rim" : ", not padded");
     say(r, sentence);
     bytes_printf(&r->text, "  check: light angles rise, scales and disc are in range\n");
     sphere_free(&s);

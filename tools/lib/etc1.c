@@ -183,7 +183,7 @@ static void write_block(const plan *p, const int texel[16][3], uint8_t out[8])
     for (int i = 0; i < 8; i++) out[i] = (uint8_t)(block >> (56 - 8 * i));
 }
 
-static void encode_block(const int texel[16][3], uint8_t out[8])
+void etc1_encode_block(const int texel[16][3], uint8_t out[8])
 {
     plan best = {.error = LONG_MAX};
     for (int flip = 0; flip < 2; flip++) {
@@ -215,7 +215,8 @@ size_t etc1_size(int width, int height)
     return (size_t)((width + 3) / 4) * (size_t)((height + 3) / 4) * 8;
 }
 
-void etc1_encode(const uint8_t *rgb, int width, int height, uint8_t *out)
+void etc_encode_blocks(const uint8_t *rgb, int width, int height,
+                       void (*encode)(const int texel[16][3], uint8_t out[8]), uint8_t *out)
 {
     for (int j = 0; j < height; j += 4)
         for (int i = 0; i < width; i += 4, out += 8) {
@@ -224,8 +225,13 @@ void etc1_encode(const uint8_t *rgb, int width, int height, uint8_t *out)
                 int x = clamp(i + n / 4, 0, width - 1), y = clamp(j + n % 4, 0, height - 1);
                 for (int c = 0; c < 3; c++) texel[n][c] = rgb[3 * ((size_t)y * (size_t)width + (size_t)x) + (size_t)c];
             }
-            encode_block((const int(*)[3])texel, out);
+            encode((const int(*)[3])texel, out);
         }
+}
+
+void etc1_encode(const uint8_t *rgb, int width, int height, uint8_t *out)
+{
+    etc_encode_blocks(rgb, width, height, etc1_encode_block, out);
 }
 
 static uint64_t load_block(const uint8_t block[8])
@@ -256,7 +262,7 @@ int etc1_block_valid(const uint8_t block[8])
     return 1;
 }
 
-static void decode_block(const uint8_t block[8], uint8_t texel[16][3])
+void etc1_decode_block(const uint8_t block[8], uint8_t texel[16][3])
 {
     uint64_t bits = load_block(block);
     int base[2][3], differential = block_bases(bits, base), flip = (int)(bits >> 32 & 1);
@@ -269,15 +275,21 @@ static void decode_block(const uint8_t block[8], uint8_t texel[16][3])
     }
 }
 
-void etc1_decode(const uint8_t *blocks, int width, int height, uint8_t *rgb)
+void etc_decode_blocks(const uint8_t *blocks, int width, int height,
+                       void (*decode)(const uint8_t block[8], uint8_t texel[16][3]), uint8_t *rgb)
 {
     for (int j = 0; j < height; j += 4)
         for (int i = 0; i < width; i += 4, blocks += 8) {
             uint8_t texel[16][3];
-            decode_block(blocks, texel);
+            decode(blocks, texel);
             for (int n = 0; n < 16; n++) {
                 int x = i + n / 4, y = j + n % 4;
                 if (x < width && y < height) memcpy(rgb + 3 * ((size_t)y * (size_t)width + (size_t)x), texel[n], 3);
             }
         }
+}
+
+void etc1_decode(const uint8_t *blocks, int width, int height, uint8_t *rgb)
+{
+    etc_decode_blocks(blocks, width, height, etc1_decode_block, rgb);
 }

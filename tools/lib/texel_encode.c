@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "etc1.h"
+#include "etc2.h"
 #include "failure.h"
 #include "nacre_asset.h"
 #include "pixels.h"
@@ -35,8 +36,10 @@ static void encode_etc(int etc2, const float *rgb, int width, int height, uint8_
     size_t count = 3 * (size_t)width * (size_t)height;
     uint8_t *codes = need_memory(count, 1);
     for (size_t i = 0; i < count; i++) codes[i] = (uint8_t)nearest(rgb[i], 255);
-    (void)etc2;
-    etc1_encode(codes, width, height, out);
+    if (etc2)
+        etc2_encode(codes, width, height, out);
+    else
+        etc1_encode(codes, width, height, out);
     free(codes);
 }
 
@@ -65,7 +68,7 @@ void texel_decode(int format, const uint8_t *texel, int width, int height, float
     size_t count = (size_t)width * (size_t)height, step = format == NACRE_FORMAT_RGB8 ? 3 : 4;
     if (format == NACRE_FORMAT_ETC2_RGB8) {
         uint8_t *codes = need_memory(count, 3);
-        etc1_decode(texel, width, height, codes);
+        etc2_decode(texel, width, height, codes);
         for (size_t i = 0; i < 3 * count; i++) rgb[i] = (float)codes[i] / 255;
         free(codes);
         return;
