@@ -108,11 +108,11 @@ static key_kind kind_of(const char *name)
         const char *name;
         key_kind kind;
     } kinds[] = {
-        {"KTXorientation", KEY_TEXT},     {"KTXwriter", KEY_TEXT},     {NACRE_KEY_VERSION, KEY_U32},
-        {NACRE_KEY_ROLE, KEY_TEXT},       {NACRE_KEY_NAME, KEY_TEXT},  {NACRE_KEY_TRANSFER, KEY_TEXT},
-        {NACRE_KEY_ETC1, KEY_U32},        {NACRE_KEY_QUARTERS, KEY_U32},        {NACRE_KEY_ALBEDO, KEY_Q16}, {NACRE_KEY_TABLE, KEY_Q16},
-        {NACRE_KEY_LIGHT_POLAR, KEY_BAM}, {NACRE_KEY_COSINE, KEY_U32}, {NACRE_KEY_SCALE, KEY_Q16},
-        {NACRE_KEY_DISC, KEY_Q16},
+        {"KTXorientation", KEY_TEXT}, {"KTXwriter", KEY_TEXT},          {NACRE_KEY_VERSION, KEY_U32},
+        {NACRE_KEY_ROLE, KEY_TEXT},   {NACRE_KEY_NAME, KEY_TEXT},       {NACRE_KEY_TRANSFER, KEY_TEXT},
+        {NACRE_KEY_ETC1, KEY_U32},    {NACRE_KEY_QUARTERS, KEY_U32},    {NACRE_KEY_ALBEDO, KEY_Q16},
+        {NACRE_KEY_TABLE, KEY_Q16},   {NACRE_KEY_LIGHT_POLAR, KEY_BAM}, {NACRE_KEY_COSINE, KEY_U32},
+        {NACRE_KEY_SCALE, KEY_Q16},   {NACRE_KEY_DISC, KEY_Q16},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (!strcmp(kinds[i].name, name)) return kinds[i].kind;
@@ -294,7 +294,9 @@ static int report_spheres(report *r, const nacre_image *image, failure *f)
         n += (size_t)snprintf(angles + n, sizeof angles - n, "%s%.4g", i ? ", " : "", s.polar[i]);
     snprintf(sentence, sizeof sentence, "sphere images of %s, lit from %s degrees, %s%s",
              s.name[0] ? s.name : "an unnamed BRDF", angles, modes[s.mode],
-             s.mode == SPHERE_QUARTER ? "" : s.disc < 1 ? ", padded beyond the rim" : ", not padded");
+             s.mode == SPHERE_QUARTER ? ""
+             : s.disc < 1             ? ", padded beyond the rim"
+                                      : ", not padded");
     say(r, sentence);
     bytes_printf(&r->text, "  check: light angles rise, scales and disc are in range\n");
     sphere_free(&s);

@@ -68,6 +68,16 @@ static double rotation_coefficient(const double n[3], double phi)
     return 0.5 + fmin(sine, 1) / 2;
 }
 
+/* Light and eye in line: any azimuth would do. The runtime takes that of the view's +x, and where metric_local made the frame
+   its x is the tangent nearest to that: across the eye, it is the view's own. */
+static void azimuth_zero(const double eye[3], double x[3])
+{
+    double length = hypot(eye[0], eye[2]);
+    x[0] = eye[2] / length;
+    x[1] = 0;
+    x[2] = -eye[0] / length;
+}
+
 /* The normal in the frame of the images (eye +z, light in y = 0 with x >= 0), and the light's polar angle. */
 static double to_image_frame(const double light[3], const double eye[3], double n[3])
 {
@@ -77,15 +87,14 @@ static double to_image_frame(const double light[3], const double eye[3], double 
         sine += x[k] * x[k];
     }
     sine = sqrt(sine);
-    if (sine < 1e-12) { /* light and eye in line: any azimuth; the normal's own is as good */
-        for (int k = 0; k < 3; k++) x[k] = (k == 2) - eye[2] * eye[k];
-        double length = sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
-        n[0] = length;
-        n[1] = 0;
+    if (sine < 1e-12) {
+        azimuth_zero(eye, x);
+        sine = 0;
     } else {
-        n[0] = x[2] / sine;
-        n[1] = (eye[0] * x[1] - eye[1] * x[0]) / sine; /* z of eye cross x */
+        for (int k = 0; k < 3; k++) x[k] /= sine;
     }
+    n[0] = x[2];
+    n[1] = eye[0] * x[1] - eye[1] * x[0]; /* z of eye cross x */
     n[2] = eye[2];
     return atan2(sine, cosine);
 }
@@ -137,12 +146,7 @@ static int quarters_eval(const brdf *b, const double to_light[3], const double t
     }
     double l_dot_h = normalise3(h) / 2;
     if (2 * l_dot_h * l_dot_h - 1 < least_l_dot_v) return 1;
-    if (normalise3(d) < 1e-9) { /* any direction across h: the part of the normal itself is one */
-        d[0] = -h[0] * h[2];
-        d[1] = -h[1] * h[2];
-        d[2] = 1 - h[2] * h[2];
-        normalise3(d);
-    }
+    if (normalise3(d) < 1e-9) azimuth_zero(h, d);
     cross3(across, h, d);
     int layer = quarter_pair(s->polar_deg, s->layers, sqrt(fmax(1 - l_dot_h, 0)), &weight);
     double u = quarter_place(d[2]), v = quarter_place(across[2]);
