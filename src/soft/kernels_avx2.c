@@ -191,8 +191,8 @@ static inline lanes clip_root(lanes root_q29)
     return _mm256_min_epi32(_mm256_max_epi32(_mm256_srai_epi32(root_q29, 15), all(0)), all(32767));
 }
 
-static inline void roots(const shade_table_eval *e, const constants *c, lanes xy, lanes z, lanes nl, int fine,
-                         lanes root[3])
+EVAL_INLINE void roots(const shade_table_eval *e, const constants *c, lanes xy, lanes z, lanes nl, int fine,
+                       lanes root[3])
 {
     const lanes square = _mm256_add_epi32(product(xy, xy), _mm256_mullo_epi32(z, z));
     const lanes distance = _mm256_add_epi32(_mm256_add_epi32(square, dot(xy, z, c->half_xy, c->half_z)), c->offset);
@@ -311,8 +311,8 @@ static inline lanes code_of(lanes root, lanes gain, int shift)
     return _mm256_max_epi32(code, all(0));
 }
 
-static inline void code(const shade_table_eval *e, const constants *c, const uint32_t *xy, const int16_t *z,
-                        uint32_t *rgba, int fine)
+EVAL_INLINE void code(const shade_table_eval *e, const constants *c, const uint32_t *xy, const int16_t *z,
+                      uint32_t *rgba, int fine)
 {
     const lanes opaque = all((int32_t)(255u << 24));
     lanes n = load(xy), nz = load_16(z), nl, lit, root[3], cosine, out;
@@ -509,8 +509,16 @@ static inline lanes edge_at(const soft_vertex *p, const soft_vertex *q, int32_t 
     return _mm256_add_epi32(all(at), _mm256_mullo_epi32(all(-16 * dy), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7)));
 }
 
-static inline void fill_small(const soft_vertex *const corner[3], int64_t area, int32_t x0, int32_t x1, int32_t y0,
-                              int32_t y1, const soft_pixels *to, unsigned item)
+/* Nothing of a row's columns is inside all edges. */
+static inline int empty(const lanes edge[3], lanes columns)
+{
+    const lanes out = _mm256_or_si256(_mm256_or_si256(edge[0], edge[1]), edge[2]);
+
+    return !_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(out, columns)));
+}
+
+EVAL_INLINE void fill_small(const soft_vertex *const corner[3], int64_t area, int32_t x0, int32_t x1, int32_t y0,
+                            int32_t y1, const soft_pixels *to, unsigned item)
 {
     const soft_vertex *const a = corner[0], *const b = corner[area > 0 ? 1 : 2], *const c = corner[area > 0 ? 2 : 1];
     const lanes eight = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), columns = _mm256_cmpgt_epi32(all(x1 - x0), eight);
@@ -523,6 +531,11 @@ static inline void fill_small(const soft_vertex *const corner[3], int64_t area, 
     edge[0] = edge_at(a, b, x, y, &down[0]);
     edge[1] = edge_at(b, c, x, y, &down[1]);
     edge[2] = edge_at(c, a, x, y, &down[2]);
+    while (empty(edge, columns)) { /* most slivers hit no sample at all */
+        if (++y0 == y1) return;
+        at += (size_t)to->stride;
+        for (i = 0; i < 3; i++) edge[i] = _mm256_add_epi32(edge[i], down[i]);
+    }
     soft_set_planes(plane, corner, area);
     for (i = 0; i < SOFT_PLANES; i++) {
         const soft_plane *const p = &plane[i];
