@@ -104,10 +104,13 @@ typedef struct nacre_soft_item {
     uint8_t clamp, nearest;         /* (0: repeated, bilinear) how the normal map and the mask are read */
 } nacre_soft_item;
 
-/* Bytes of the object, 0 if desc is not valid:
-     400 + 20 max_vertices + 10 max_triangles + 12 bands
-     + max_items (160 + max_lights (80 + 16 table_columns (fine: 32))) + 3100
-   and of the scratch for each band that is drawn at the same time: band_rows x width x 9, rounded up to 64. */
+/* Bytes of the object, 0 if desc is not valid; on a 32-bit CPU, each part rounded up to 16:
+     128 + 20 max_vertices + the larger of 4 max_triangles (above 65,536: 8) and 2,112 + 4 (bands + 2)
+     + max_items (460 + max_lights (56 + 16 table_columns (fine: 32)))
+   and of the scratch for each band that is drawn at the same time:
+     128 + band_rows x width x 8 (several items, or blend: 9).
+   320 x 240 RGB565 with 530 vertices, 992 triangles, two band buffers and a lit sphere of 64: 54 KB; 160 x 128 in bands of
+   4 rows with 250 vertices and 440 triangles: 24 KB. */
 size_t nacre_soft_size(const nacre_soft_desc *desc);
 size_t nacre_soft_scratch_size(const nacre_soft_desc *desc);
 

@@ -366,7 +366,7 @@ static int write_json(const cpu_bench *b, const char *path, failure *f)
 int bench_cpu(const bench_settings *s, failure *f)
 {
     static cpu_bench b;
-    const int rounds = s->rounds ? s->rounds : 7, frames = s->frames ? s->frames : 8;
+    const int rounds = s->rounds ? s->rounds : 7, frames = s->frames ? s->frames : 12;
     nacre_soft_desc desc;
     int i, code;
 

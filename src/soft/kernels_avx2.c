@@ -517,8 +517,8 @@ static inline int empty(const lanes edge[3], lanes columns)
     return !_mm256_movemask_ps(_mm256_castsi256_ps(_mm256_andnot_si256(out, columns)));
 }
 
-EVAL_INLINE void fill_small(const soft_vertex *const corner[3], int64_t area, int32_t x0, int32_t x1, int32_t y0,
-                            int32_t y1, const soft_pixels *to, unsigned item)
+static inline void fill_small(const soft_vertex *const corner[3], int64_t area, int32_t x0, int32_t x1, int32_t y0,
+                              int32_t y1, const soft_pixels *to, unsigned item)
 {
     const soft_vertex *const a = corner[0], *const b = corner[area > 0 ? 1 : 2], *const c = corner[area > 0 ? 2 : 1];
     const lanes eight = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7), columns = _mm256_cmpgt_epi32(all(x1 - x0), eight);

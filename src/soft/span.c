@@ -7,38 +7,38 @@
 enum { BATCH = 32 }; /* pixels at a time: 500 bytes of stack */
 
 /* The texel of a bisector: offset from the middle by h.xy / |h| x 5/8 size. */
-static inline uint32_t texel_of(const nacre_soft_lit *lit, uint32_t xy, int32_t z, uint32_t scale)
+static inline uint32_t texel_of(uint32_t size, uint32_t xy, int32_t z, uint32_t scale)
 {
     const int32_t x = (int16_t)(xy & 65535u), y = (int32_t)xy >> 16;
     const int32_t length = (int32_t)(shade_lut_unit[(uint32_t)(x * x + y * y + z * z) >> 20] * scale >> 15);
-    const int32_t half = lit->size * 32768;
+    const int32_t half = (int32_t)size * 32768;
 
-    const uint32_t at = (uint32_t)((half - y * length) >> 16) * lit->size + (uint32_t)((half + x * length) >> 16);
+    const uint32_t at = (uint32_t)((half - y * length) >> 16) * size + (uint32_t)((half + x * length) >> 16);
 
     /* far corners of a triangle at the eye have few bits: their sums may point anywhere */
-    return at < (uint32_t)lit->size * lit->size ? at : 0;
+    return at < size * size ? at : 0;
 }
 
 void soft_lit(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to)
 {
-    const uint32_t scale = lit->size * 40u; /* 5/8 size, for q14 to q16, x 16 */
+    const uint32_t size = lit->size, scale = size * 40; /* 5/8 size, for q14 to q16, x 16 */
     int i;
 
     if (bytes == 2) {
         uint16_t *const out = to;
         const uint16_t *const texels = lit->texels;
 
-        for (i = 0; i < count; i++) out[i] = texels[texel_of(lit, xy[i], z[i], scale)];
+        for (i = 0; i < count; i++) out[i] = texels[texel_of(size, xy[i], z[i], scale)];
     } else if (bytes == 1) {
         uint8_t *const out = to;
         const uint8_t *const texels = lit->texels;
 
-        for (i = 0; i < count; i++) out[i] = texels[texel_of(lit, xy[i], z[i], scale)];
+        for (i = 0; i < count; i++) out[i] = texels[texel_of(size, xy[i], z[i], scale)];
     } else {
         uint32_t *const out = to;
         const uint32_t *const texels = lit->texels;
 
-        for (i = 0; i < count; i++) out[i] = texels[texel_of(lit, xy[i], z[i], scale)];
+        for (i = 0; i < count; i++) out[i] = texels[texel_of(size, xy[i], z[i], scale)];
     }
 }
 

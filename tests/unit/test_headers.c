@@ -15,6 +15,7 @@
 #include "nacre.h"
 #include "nacre_asset.h"
 #include "nacre_gles.h"
+#include "nacre_soft.h"
 
 #include <cmocka.h>
 

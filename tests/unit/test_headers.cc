@@ -3,6 +3,7 @@
 #include "nacre.h"
 #include "nacre_asset.h"
 #include "nacre_gles.h"
+#include "nacre_soft.h"
 
 #include <cstdio>
 #include <cstring>
@@ -16,6 +17,8 @@ int main()
     if (nacre_q16_from_float(-1.5f) != -98304 || nacre_q14_from_float(9) != 32767) return 4;
     const nacre_gles_desc desc = {};
     if (nacre_gles_size(&desc)) return 5; /* no loader: not valid */
+    const nacre_soft_desc soft = {};
+    if (nacre_soft_size(&soft)) return 6; /* no width: not valid */
     std::puts("C++11 program ran");
     return 0;
 }
