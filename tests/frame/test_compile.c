@@ -83,28 +83,23 @@ static unsigned compile(const gles_key *key, int fragment)
     return 0;
 }
 
-/* The vertex stages are few: kept from text to text. */
+/* The vertex stages are few: kept from text to text, by the #defines that make them. */
 static unsigned vertex_stage(const gles_key *key)
 {
+    enum { MOST = 256 };
     static struct {
-        uint8_t es3, persp, normal_map, pass, sphere, lit, mask;
+        char defines[GLES_DEFINES_SIZE];
         unsigned shader;
-    } kept[64];
-    const int pass = key->pass != 0, lit = key->model == GLES_KEY_LIT, mask = key->mask != 0;
-    int i = 0;
+    } kept[MOST];
+    const char *part[GLES_TEXT_PARTS];
+    int length[GLES_TEXT_PARTS], i = 0;
+    char defines[GLES_DEFINES_SIZE];
 
-    while (kept[i].shader &&
-           (kept[i].es3 != key->es3 || kept[i].persp != key->persp || kept[i].normal_map != key->normal_map ||
-            kept[i].pass != pass || kept[i].sphere != key->sphere || kept[i].lit != lit || kept[i].mask != mask))
-        i++;
+    gles_text(key, 0, part, length, defines);
+    while (i < MOST && kept[i].shader && strcmp(kept[i].defines, defines)) i++;
+    if (i == MOST) return compile(key, 0);
     if (!kept[i].shader) {
-        kept[i].es3 = key->es3;
-        kept[i].persp = key->persp;
-        kept[i].normal_map = key->normal_map;
-        kept[i].pass = (uint8_t)pass;
-        kept[i].sphere = key->sphere;
-        kept[i].lit = (uint8_t)lit;
-        kept[i].mask = (uint8_t)mask;
+        memcpy(kept[i].defines, defines, sizeof defines);
         kept[i].shader = compile(key, 0);
     }
     return kept[i].shader;
