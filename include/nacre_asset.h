@@ -103,12 +103,19 @@
 #define NACRE_KEY_ETC1     "nacre.etc1_only" /* u32: 1 = every ETC2 block is in a mode of ETC1 */
 #define NACRE_KEY_ALBEDO   "nacre.white_sky" /* 3 q16, 0..1: hemispherical (white-sky) albedo, R G B */
 
-/* role "table" (TABLE model). One layer (default, RGB tier) or two (fine tier), RGBA8, one level. With
-   y = RGB + (A - 1/2) a^2 W (fine: RGB + (T.rgb - 1/2) a^2 K1 + (A - 1/2) |a| K2), a = n.l - n.v:
-   (Ymax y)^p = pi E f_r l.h, transfer "root". Rows run over s = sqrt(1 - l.h): v = 0.7 s + 0.3 s^2; columns over
-   t = 1 - n.h: u = log2(t/eps + 1) / log2(1/eps + 1); both end-aligned (texel centres of the first and last texel are 0
-   and 1). The key's nine numbers: E, Ymax, W.r, W.g, W.b, p, eps, K1, K2 (K1, K2: 0 but in the fine tier). */
-#define NACRE_KEY_TABLE "nacre.table" /* 9 q16 */
+/* role "table" (TABLE model). One layer (default, RGB tier) or two (fine tier), RGBA8, one level, transfer "root":
+   (Ymax y)^p = pi E f_r l.h. With a = n.l - n.v, R G B A of the first layer and T of the second, filtered, 0..1:
+
+     one layer           y = RGB + (A - 1/2) a^2 W
+     two layers          y = RGB + A D + ((T.r - 1/2) W + (T.g - 1/2) V) a^2 + (T.b - 1/2) K2 |a| + (T.a - 1/2) K4 a^4
+     two layers, early   y = RGB + (T.rgb - 1/2) K1 a^2 + (A - 1/2) K2 |a|
+
+   Rows run over s = sqrt(1 - l.h): v = (1 - B) s + B s^2; columns over t = 1 - n.h: u = log2(t/eps + 1) / log2(1/eps + 1);
+   both end-aligned (texel centres of the first and last texel are 0 and 1). The key's numbers: E, Ymax, W.r, W.g, W.b, p,
+   eps, K1, K2; with one layer B follows; with two layers B, D.r, D.g, D.b, V.r, V.g, V.b, K4. Files of nine numbers, from
+   before B was a number, have B = 0.3, and with two layers are the early ones. Ranges: -1 <= B <= 1, 0 <= D <= 6.5,
+   |V| <= 64, 0 <= K4 <= 64. */
+#define NACRE_KEY_TABLE "nacre.table" /* 10 q16 (one layer), 17 (two), 9 (early) */
 
 /* role "spheres" (SPHERES model). One layer per light polar angle; a unit sphere seen along -z from +z, the light at
    (sin polar, 0, cos polar); image row 0 is the top (+y). The disc of the sphere has radius disc/2 of the image's

@@ -4,39 +4,40 @@
 // t is taken as |n - h|^2 / 2: the subtraction 1 - n.h has no bits left near the peak in fp16.
 
 #if LIGHTS
-uniform sampler2D u_map[1 + FINE];
+uniform sampler2D u_map[1 + FINE + EARLY];
 #endif
 
 #if PERSP
 // u_light: r = xyz - w P points to the light; u_factor: rgb.
 uniform HIGHP vec4 u_light[LIGHTS];
 uniform vec4 u_factor[LIGHTS];
-// [0] S, bias, 2 eps   [1] A, B, C of the row   [2] W, or K1 and K2   [3] eye: v ~ xyz - w P
+// [0] S, bias, 2 eps   [1] A, B, C of the row   then as below   eye: v ~ xyz - w P
 uniform HIGHP vec4 u_eye[1];
-uniform vec4 u_model[2 + PHID];
+uniform vec4 u_model[2 + PHID + 2 * FINE];
 #define SCALE u_model[0].x
 #define BIAS u_model[0].y
-#define PHI u_model[2]
+#define FIRST 2
 #elif LIGHTS == 1
 // In the frame where h = +z and l, v lie in the plane y = 0: n - h is then small and exact near the peak.
 // u_half: l.z, 0, 1, sqrt(2 eps)   u_light: l (FORM_SRGB: 2^lift l), S   u_factor: rgb, row
-// u_model: W (l.x - v.x)^2, or K1 (l.x - v.x)^2 and K2 |l.x - v.x|; bias in w
+// u_model: each term's share of (l.x - v.x)^n multiplied in
 uniform vec4 u_half[1];
 uniform vec4 u_light[1];
 uniform vec4 u_factor[1];
-uniform vec4 u_model[1];
+uniform vec4 u_model[1 + 2 * FINE];
 #define SCALE u_light[0].w
 #define BIAS u_model[0].w
-#define PHI u_model[0]
+#define FIRST 0
 #elif LIGHTS
-// u_half: h, sqrt(2 eps)   u_light: l, S   u_factor: rgb, row   u_model: [0] W, or K1 and K2; bias in w
+// u_half: h, sqrt(2 eps)   u_light: l, S   u_factor: rgb, row
+// u_model: [0] W (early: K1 and K2); fine: [0] D   [1] W, K2   [2] V, K4; without PERSP bias in w of [0]
 uniform vec4 u_half[LIGHTS];
 uniform vec4 u_light[LIGHTS];
 uniform vec4 u_factor[LIGHTS];
-uniform vec4 u_model[1];
+uniform vec4 u_model[1 + 2 * FINE];
 #define SCALE u_light[0].w
 #define BIAS u_model[0].w
-#define PHI u_model[0]
+#define FIRST 0
 #endif
 
 #if LIGHTS
@@ -50,10 +51,16 @@ vec3 table_root(float q, float slope, float row)
     vec2 at = vec2(log2(q) * SCALE + BIAS, row);
     vec4 t = texture2D(u_map[0], at);
 #if FINE
+    vec4 c = texture2D(u_map[1], at) - 0.5;
+    float square = slope * slope;
+    c.zw *= vec2(u_model[FIRST + 1].w, u_model[FIRST + 2].w * square);
+    return t.rgb + t.a * u_model[FIRST].rgb + square * (c.x * u_model[FIRST + 1].rgb + c.y * u_model[FIRST + 2].rgb + c.w) +
+           c.z * abs(slope);
+#elif EARLY
     vec3 curve = texture2D(u_map[1], at).rgb - 0.5;
-    return t.rgb + curve * (slope * slope * PHI.x) + (t.a - 0.5) * abs(slope) * PHI.y;
+    return t.rgb + curve * (slope * slope * u_model[FIRST].x) + (t.a - 0.5) * abs(slope) * u_model[FIRST].y;
 #elif PHID
-    return t.rgb + (t.a - 0.5) * (slope * slope) * PHI.rgb;
+    return t.rgb + (t.a - 0.5) * (slope * slope) * u_model[FIRST].rgb;
 #else
     return t.rgb;
 #endif

@@ -269,7 +269,9 @@ static int report_table(report *r, const nacre_image *image, failure *f)
     char sentence[600];
     const int code = table_read(&t, image, r->path, f);
     if (code) return code;
-    const char *tier = t.layers == 2                ? "fine tier (two fetches per light)"
+    const char *tier = t.layers == 2                ? t.layout == TABLE_TWO_LAYERS_EARLY
+                                                          ? "fine tier, early layout (two fetches per light)"
+                                                          : "fine tier (two fetches per light)"
                        : t.w[0] || t.w[1] || t.w[2] ? "default tier (one fetch per light, with the phi_d term)"
                                                     : "RGB tier (one fetch per light, without the phi_d term)";
     snprintf(sentence, sizeof sentence, "half-vector table of %s: %s, p = %.4g (for %s output)",

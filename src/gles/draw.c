@@ -62,7 +62,7 @@ static void key_model(gles_key *key, const shade_material *material)
         key->model = s->cosine ? GLES_KEY_PAPER : s->size ? GLES_KEY_QUARTER : GLES_KEY_SPHERES;
         return;
     }
-    key->model = material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
+    key->model = material->early ? GLES_KEY_EARLY : material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
     key->phid = (uint8_t)(material->fine || t->w[0] || t->w[1] || t->w[2]);
     key->power48 = t->p > 4 * NACRE_Q16_ONE + NACRE_Q16_ONE / 2; /* 4 or 4.8, see material.c */
 }
@@ -232,8 +232,8 @@ static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, co
     }
     if (key->model == GLES_KEY_SBRDF) return sbrdf_textures(gles, draw, key, name);
     if (!key->lights) return 0;
-    if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE) {
-        const unsigned layers = key->model == GLES_KEY_FINE ? 2 : 1;
+    if (item->material.model == NACRE_MODEL_TABLE) {
+        const unsigned layers = key->model == GLES_KEY_TABLE ? 1 : 2;
         for (i = 0; i < layers; i++) name[i] = layer_name(gles, item, NACRE_ROLE_TABLE, i);
         return layers;
     }

@@ -15,6 +15,7 @@
 typedef enum gles_key_model {
     GLES_KEY_TABLE,
     GLES_KEY_FINE,
+    GLES_KEY_EARLY, /* the fine tier of nine numbers */
     GLES_KEY_SPHERES,
     GLES_KEY_PAPER,
     GLES_KEY_QUARTER,
@@ -32,7 +33,7 @@ typedef enum gles_key_pass { GLES_PASS_NONE, GLES_PASS_SUM, GLES_PASS_LAST } gle
 
 typedef struct gles_key {
     uint8_t model;      /* gles_key_model */
-    uint8_t phid;       /* table: 1 when any W is not 0 (fine: always 1; others: 0) */
+    uint8_t phid;       /* table: 1 when any W is not 0 (fine, early: always 1; others: 0) */
     uint8_t lights;     /* 0..8 of this pass; 0: ambient alone */
     uint8_t persp;      /* shade_needs_persp; 0 when lights is 0. */
     uint8_t output;     /* nacre_output; as the view says, also for SUM passes */
@@ -71,7 +72,7 @@ uint8_t gles_key_layer_class(unsigned layers, unsigned units);
 unsigned gles_key_uniform_vectors(const gles_key *key); /* fragment stage */
 unsigned gles_key_units(const gles_key *key);           /* texture units in use */
 
-/* Texture units, in this order: the model's own from 0: table: 0; fine: 0 and 1 (second layer); spheres dist: 2 i and
+/* Texture units, in this order: the model's own from 0: table: 0; fine, early: 0 and 1 (second layer); spheres dist: 2 i and
    2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i]; quarter: 0.
    lit: 0, and 1 for a second sphere. sbrdf: diffuse albedo (not with no_diffuse), layers 2 j and 2 j + 1 of each lobe,
    layers 0 and 2 where they are needed for the direction and no lobe's (gles_key_unit_direction), power table. Then,

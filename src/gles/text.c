@@ -16,7 +16,7 @@ extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size, e
 
 static int is_table(const gles_key *key)
 {
-    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY;
 }
 
 static int is_sbrdf(const gles_key *key)
@@ -47,7 +47,7 @@ static char *put_digit(char *out, unsigned digit)
 
 void gles_key_name(const gles_key *key, char *out)
 {
-    static const char *const model[] = {"table", "fine", "spheres", "paper", "quarter", "sbrdf", "lit"};
+    static const char *const model[] = {"table", "fine", "early", "spheres", "paper", "quarter", "sbrdf", "lit"};
     static const char *const output[] = {"_srgb", "_sqrt", "_lin"};
     static const char *const mask[] = {"", "_mask", "_mix"};
 
@@ -106,8 +106,10 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
     if (!lights) return common;
     if (is_sbrdf(key)) return common + 2 * lights + key->lobes + (key->persp ? 1 : 0);
     if (is_table(key)) {
-        if (key->persp) return common + 2 * lights + 3 + key->phid;
-        return common + (3 * lights + 1);
+        const unsigned fine = key->model == GLES_KEY_FINE ? 2 : 0;
+
+        if (key->persp) return common + 2 * lights + 3 + key->phid + fine;
+        return common + 3 * lights + 1 + fine;
     }
     if (key->model == GLES_KEY_QUARTER) {
         if (key->persp) return common + 2 * lights + 3 + 2 * key->layers;
@@ -140,7 +142,7 @@ static unsigned model_units(const gles_key *key)
     if (is_lit(key)) return key->mask > 1 ? 2 : 1;
     if (is_sbrdf(key)) return sbrdf_units(key);
     if (!key->lights) return 0;
-    if (is_table(key)) return key->model == GLES_KEY_FINE ? 2 : 1;
+    if (is_table(key)) return key->model == GLES_KEY_TABLE ? 1 : 2;
     if (key->model == GLES_KEY_QUARTER) return 1;
     return key->persp ? key->layers : 2u * key->lights;
 }
@@ -198,7 +200,7 @@ void gles_key_canonical(gles_key *key)
     if (!light && !sbrdf) key->model = GLES_KEY_TABLE;
     if (!light || !sbrdf) key->lobes = key->power = key->direction = 0;
     key->no_diffuse = (uint8_t)(sbrdf && key->pass == GLES_PASS_SUM && key->no_diffuse);
-    key->phid = (uint8_t)(light && (key->model == GLES_KEY_FINE || (key->model == GLES_KEY_TABLE && key->phid)));
+    key->phid = (uint8_t)(light && is_table(key) && (key->phid || key->model != GLES_KEY_TABLE));
     key->power48 = (uint8_t)(light && is_table(key) && key->power48);
     if (is_table(key) || sbrdf || !key->persp) key->layers = 0;
     key->mask = 0;
@@ -257,6 +259,7 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     }
     out = define(out, "MIX", key->mask > 1);
     out = define(out, "FINE", key->model == GLES_KEY_FINE);
+    out = define(out, "EARLY", key->model == GLES_KEY_EARLY);
     out = define(out, "PHID", key->phid);
     out = define(out, "PAPER", key->model == GLES_KEY_PAPER);
     out = define(out, "QUARTER", key->model == GLES_KEY_QUARTER);
@@ -411,7 +414,7 @@ unsigned gles_key_list(gles_key *out, unsigned count)
 {
     static const struct {
         uint8_t model, phid;
-    } kinds[] = {{GLES_KEY_TABLE, 0},   {GLES_KEY_TABLE, 1}, {GLES_KEY_FINE, 1},
+    } kinds[] = {{GLES_KEY_TABLE, 0},   {GLES_KEY_TABLE, 1}, {GLES_KEY_FINE, 1},   {GLES_KEY_EARLY, 1},
                  {GLES_KEY_SPHERES, 0}, {GLES_KEY_PAPER, 0}, {GLES_KEY_QUARTER, 0}};
     static const gles_key zero;
     key_list list = {0, 0, 0};

@@ -203,12 +203,31 @@ static void put_factors(vectors *out, const gles_key *key, const shade_frame *fr
                 first + i < NACRE_MAX_LIGHTS ? from_real(light_of(frame, first + i)->factor[j]) * scale : 0.0f;
 }
 
-static void put_phi(gl_float *out, const shade_table_draw *draw)
+static void put_q16(gl_float *out, const nacre_q16 x[3])
 {
     int i;
 
-    for (i = 0; i < 3; i++) out[i] = from_q16(draw->phi_q16[i]);
-    out[3] = 0.0f;
+    for (i = 0; i < 3; i++) out[i] = from_q16(x[i]);
+}
+
+/* Coefficients of the phi_d terms from out[0] on: W, or K1 and K2; fine: D, W and K2, V and K4. across: what the shader's
+   slope has to be multiplied by to be n.l - n.v. Returns how many vectors. */
+static int put_phi(gl_float (*out)[4], const shade_table_draw *draw, const gles_key *key, gl_float across)
+{
+    const gl_float square = across * across;
+    const int fine = key->model == GLES_KEY_FINE;
+    gl_float *const w = out[fine ? 1 : 0];
+    int i;
+
+    put_q16(w, draw->phi_q16);
+    for (i = 0; i < 3; i++) w[i] *= key->model == GLES_KEY_EARLY && i ? across : square;
+    if (!fine) return key->phid;
+    put_q16(out[0], draw->d_q16);
+    w[3] = from_q16(draw->k2_q16) * across;
+    put_q16(out[2], draw->v_q16);
+    for (i = 0; i < 3; i++) out[2][i] *= square;
+    out[2][3] = from_q16(draw->k4_q16) * square * square;
+    return 3;
 }
 
 static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
@@ -216,30 +235,28 @@ static void set_table_persp(const gles_procs *gl, const gles_uniforms *at, const
 {
     const shade_table_draw *const draw = &frame->is.table;
     vectors model = {{{0}}};
+    int count;
 
     model.v[0][0] = from_real(draw->scale);
     model.v[0][1] = from_real(draw->bias);
     model.v[0][2] = from_real(draw->two_eps);
     put_q28(model.v[1], draw->row_q28, 3);
-    put_phi(model.v[2], draw);
-    set(gl, at->model, &model, key->phid ? 3 : 2);
+    count = put_phi(model.v + 2, draw, key, 1.0f);
+    set(gl, at->model, &model, (unsigned)(2 + count));
 }
 
-/* The only light, in its own frame (shade.h). The shader has n.x = (n.l - n.v) / (l.x - v.x): the rest goes into model. */
-static void put_own_frame(gl_float *half, gl_float *light, gl_float *model, const shade_light *of, int fine)
+/* The only light, in its own frame (shade.h). The shader has n.x = (n.l - n.v) / (l.x - v.x); returns l.x - v.x. */
+static gl_float put_own_frame(gl_float *half, gl_float *light, const shade_light *of)
 {
     const shade_table_setup *const s = &of->is.table;
     const gl_float lift = (gl_float)(1 << of->lift);
-    const gl_float across = 2.0f * from_q28(s->sin_q28);
 
     half[0] = from_q28(s->cos_q28); /* the most that |n.x| can be where lit and seen */
     half[1] = light[1] = 0.0f;
     half[2] = 1.0f;
     light[0] = from_q28(s->sin_q28) * lift;
     light[2] = from_q28(s->cos_q28) * lift;
-    model[0] *= across * across;
-    model[1] *= fine ? across : across * across;
-    model[2] *= across * across;
+    return 2.0f * from_q28(s->sin_q28);
 }
 
 static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
@@ -247,7 +264,9 @@ static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const 
 {
     const shade_table_draw *const draw = &frame->is.table;
     vectors half = {{{0}}}, light = half, model = half;
+    gl_float across = 1.0f;
     unsigned i;
+    int count;
 
     for (i = 0; i < key->lights; i++) {
         const shade_table_setup *const s = &light_of(frame, first + i)->is.table;
@@ -258,13 +277,12 @@ static void set_table_dist(const gles_procs *gl, const gles_uniforms *at, const 
         light.v[i][3] = from_real(draw->scale);
         factor->v[i][3] = from_q28(s->row_q28);
     }
-    put_phi(model.v[0], draw);
+    if (key->lights == 1) across = put_own_frame(half.v[0], light.v[0], light_of(frame, first));
+    count = put_phi(model.v, draw, key, across);
     model.v[0][3] = from_real(draw->bias);
-    if (key->lights == 1)
-        put_own_frame(half.v[0], light.v[0], model.v[0], light_of(frame, first), key->model == GLES_KEY_FINE);
     set(gl, at->half, &half, key->lights);
     set(gl, at->light, &light, key->lights);
-    set(gl, at->model, &model, 1);
+    set(gl, at->model, &model, count > 1 ? (unsigned)count : 1);
 }
 
 static void set_spheres_persp(const gles_procs *gl, const gles_uniforms *at, const gles_key *key,
@@ -426,7 +444,8 @@ static const int32_t (*vertex_turn(const gles_key *key, const shade_frame *frame
     const shade_light *const light = light_of(frame, first);
 
     if (key->persp || key->lights != 1) return frame->turn_q28;
-    if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE) return light->is.table.own_turn_q28;
+    if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY)
+        return light->is.table.own_turn_q28;
     return key->model == GLES_KEY_QUARTER ? light->is.quarter.own_turn_q28 : frame->turn_q28;
 }
 
@@ -461,7 +480,7 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
 {
     /* sums of passes for linear output are held x 1/16 */
     const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
-    const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE;
+    const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY;
     const int sbrdf = key->model == GLES_KEY_SBRDF;
     vectors factor = {{{0}}}, ambient = {{{0}}};
     const int quarter = key->model == GLES_KEY_QUARTER;

@@ -169,9 +169,9 @@ int16_t shade_eval_q14(int32_t x_q28);
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 /*
- * Columns of a light: the two rows around its l.h, blended. Four words for each: R G B A; eight in the fine tier: R G B A
- * and T.r T.g T.b -. Values q13: RGB x k with k = (light of the channel / light of the brightest channel)^(1/p) ; (A - 1/2)
- * max(k W), or (A - 1/2) max(k K2); (T - 1/2) k K1.
+ * Columns of a light: the two rows around its l.h, blended. Four words for each: R G B L; eight in the fine tier, where T.r
+ * T.g T.b F follow. y k = RGB + T a^2 + L |a| phi + F a^4 phi (one layer: RGB + L a^2 phi) with k = (light of the channel /
+ * light of the brightest channel)^(1/p). Values q13, x 2^-down.
  */
 
 EVAL_INLINE int32_t eval_dot(const eval_surface *n, uint32_t xy, int32_t z)
@@ -222,6 +222,7 @@ EVAL_INLINE eval_place eval_place_of(const shade_table_eval *e, const eval_surfa
     p.square = size * size >> 13;
     shared = eval_between(p.w[3], p.f) >> 15;
     p.linear = shared * (fine ? 2 * size : p.square) >> 15;
+    if (fine) p.linear += ((eval_between(p.w[7], p.f) >> 15) * (p.square * p.square >> 15)) >> 15;
     return p;
 }
 

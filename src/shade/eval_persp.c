@@ -27,7 +27,12 @@ void shade_persp_light_prepare(shade_persp_light *out, const nacre_light *light,
     }
 }
 
-int shade_table_persp_prepare(shade_table_persp *out, const shade_table *table, int fine,
+static int32_t to_q12(nacre_q16 x)
+{
+    return (int32_t)fx_shift(x < -64 * 65536 ? -64 * 65536 : x > 64 * 65536 ? 64 * 65536 : x, 4);
+}
+
+int shade_table_persp_prepare(shade_table_persp *out, const shade_table *table, int fine, int early,
                               const uint8_t *const texels[2])
 {
     shade_table_eval coordinate;
@@ -43,11 +48,17 @@ int shade_table_persp_prepare(shade_table_persp *out, const shade_table *table, 
     out->height = table->height;
     out->p_q12 = table->p >> 4;
     out->fine = (uint8_t)fine;
+    out->early = (uint8_t)early;
+    out->rows_q15 = table->rows / 2;
     for (i = 0; i < 3; i++) {
-        const nacre_q16 phi = fine ? (i == 0 ? table->k1 : i == 1 ? table->k2 : 0) : table->w[i];
+        const nacre_q16 phi = early ? (i == 0 ? table->k1 : i == 1 ? table->k2 : 0) : table->w[i];
 
-        out->phi_q12[i] = phi < 0 ? 0 : eval_least(phi >> 4, 65535);
+        out->phi_q12[i] = to_q12(phi);
+        out->d_q12[i] = to_q12(table->d[i]);
+        out->v_q12[i] = to_q12(table->v[i]);
     }
+    out->k2_q12 = to_q12(table->k2);
+    out->k4_q12 = to_q12(table->k4);
     for (i = 0; i < 2; i++) out->texels[i] = texels[i];
     return 1;
 }
@@ -130,7 +141,7 @@ EVAL_INLINE int32_t dot(const eval_surface *a, const eval_surface *b)
 typedef struct halfway {
     eval_surface h;
     int32_t l_dot_h; /* q14, at least 2^-6 */
-    int32_t row;     /* v of the table, q15: 0.7 s + 0.3 s^2, s = sqrt(1 - l.h) */
+    int32_t s, away; /* sqrt(1 - l.h) and its square, q15 */
 } halfway;
 
 static halfway halfway_of(const eval_surface *l, const eval_surface *v)
@@ -149,7 +160,8 @@ static halfway halfway_of(const eval_surface *l, const eval_surface *v)
     if (square > 1 << 29) square = 1 << 29;
     s = (int32_t)fx_isqrt((uint64_t)(uint32_t)square << 1); /* q15 */
     if (s > 32767) s = 32767;
-    out.row = (22938 * s + 9830 * (square >> 14)) >> 15;
+    out.s = s;
+    out.away = square >> 14;
     return out;
 }
 
@@ -175,15 +187,24 @@ static void roots(const shade_table_persp *t, const eval_surface *n, const halfw
     const int32_t dx = n->x - m->h.x, dy = n->y - m->h.y, dz = n->z - m->h.z;
     const uint32_t distance = (uint32_t)(dx * dx) + (uint32_t)(dy * dy) + (uint32_t)(dz * dz) + (uint32_t)t->two_eps;
     const int32_t u = eval_least(((eval_log2(distance >> 7) - t->log_middle) * t->scale >> 8) + t->at_middle, t->last);
-    const int32_t v = m->row * (t->height - 1), row = eval_least(v >> 15, t->height - 1);
+    const int32_t v = ((m->s * 32768 + t->rows_q15 * (m->away - m->s)) >> 15) * (t->height - 1), row = eval_least(v >> 15, t->height - 1);
     const int32_t limit = eval_least(2 * m->l_dot_h, 16383), size = eval_least(a < 0 ? -a : a, limit);
     const int32_t square = size * size >> 13; /* q15 */
     int32_t base[4], curve[4];
     int i;
 
     sample(t->texels[0], t->width, u >> 15, row, row + 1 < t->height, u & 32767, v & 32767, base);
-    if (t->fine) {
-        sample(t->texels[1], t->width, u >> 15, row, row + 1 < t->height, u & 32767, v & 32767, curve);
+    if (t->fine) sample(t->texels[1], t->width, u >> 15, row, row + 1 < t->height, u & 32767, v & 32767, curve);
+    if (t->fine && !t->early) {
+        const int64_t linear = ((curve[2] - 16320) * (2 * size) >> 15) * (int64_t)t->k2_q12;
+        const int64_t fourth = ((curve[3] - 16320) * (square * square >> 15) >> 15) * (int64_t)t->k4_q12;
+
+        for (i = 0; i < 3; i++) {
+            const int64_t bend = (int64_t)(curve[0] - 16320) * t->phi_q12[i] + (int64_t)(curve[1] - 16320) * t->v_q12[i];
+
+            out[i] = base[i] + (int32_t)((base[3] * (int64_t)t->d_q12[i] + (bend * square >> 15) + linear + fourth) >> 12);
+        }
+    } else if (t->fine) {
         for (i = 0; i < 3; i++)
             out[i] = base[i] + (int32_t)((int64_t)((curve[i] - 16320) * square >> 15) * t->phi_q12[0] >> 12) +
                      (int32_t)((int64_t)((base[3] - 16320) * (2 * size) >> 15) * t->phi_q12[1] >> 12);

@@ -29,17 +29,19 @@ typedef struct shade_table_persp {
     int32_t two_eps;                     /* q28 */
     int32_t log_middle, at_middle, last; /* as in shade_table_eval */
     int16_t scale;
-    int32_t phi_q12[3]; /* W; fine: K1, K2 */
+    int32_t phi_q12[3]; /* W; early fine tier: K1, K2 */
+    int32_t d_q12[3], v_q12[3], k2_q12, k4_q12; /* fine */
+    int32_t rows_q15;   /* B of the row curve */
     uint16_t width, height;
     int32_t p_q12;
-    uint8_t fine;
+    uint8_t fine, early;
 } shade_table_persp;
 
 /* frame: of shade_setup with persp = 1, form SHADE_LINEAR, and the same view. */
 void shade_persp_light_prepare(shade_persp_light *out, const nacre_light *light, const shade_light *set,
                                int position_shift);
 /* 0: as for shade_table_eval_prepare. */
-int shade_table_persp_prepare(shade_table_persp *out, const shade_table *table, int fine,
+int shade_table_persp_prepare(shade_table_persp *out, const shade_table *table, int fine, int early,
                               const uint8_t *const texels[2]);
 
 void shade_table_persp_add(const shade_table_persp *table, const shade_persp_light *light, const shade_seen *seen,

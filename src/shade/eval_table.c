@@ -7,69 +7,148 @@
 
 /* ---- one light --------------------------------------------------------------------------------------------------- */
 
-/* The row around row_q28 as texel numbers: row[0] and row[1], and the weight of the latter in q15. */
-static int32_t find_rows(const shade_table *table, int32_t row_q28, const uint8_t *texels, const uint8_t *row[2])
+#define HALF_CODE_Q15 (127 * 32768 + 16384) /* 127.5 */
+
+/* One channel of the two rows around a light's l.h. */
+typedef struct channel {
+    const uint8_t *row[2]; /* its first texel in either */
+    int32_t weight_q15;    /* of row[1] */
+    int32_t zero_q15;      /* code that stands for 0 */
+    int64_t factor_q30;    /* what 255 codes are worth */
+} channel;
+
+static channel channel_of(const shade_table *table, int32_t row_q28, const uint8_t *texels, unsigned index,
+                          int32_t zero_q15, int64_t factor_q30)
 {
     const int64_t at = (int64_t)row_q28 * table->height - FX_Q28_ONE / 2;
     int64_t first = at < 0 ? 0 : at >> 28;
-    int32_t weight = at < 0 ? 0 : (int32_t)(at >> 13 & 32767);
+    channel out;
 
+    out.weight_q15 = at < 0 ? 0 : (int32_t)(at >> 13 & 32767);
     if (first >= table->height - 1) {
         first = table->height - 1;
-        weight = 0;
+        out.weight_q15 = 0;
     }
-    row[0] = texels + first * table->width * 4;
-    row[1] = first + 1 < table->height ? row[0] + table->width * 4 : row[0];
-    return weight;
+    out.row[0] = texels + first * table->width * 4 + index;
+    out.row[1] = first + 1 < table->height ? out.row[0] + table->width * 4 : out.row[0];
+    out.zero_q15 = zero_q15;
+    out.factor_q30 = factor_q30;
+    return out;
 }
 
-/* (blended code / 255 - zero) x factor, q13; factor in q30. */
-static int32_t value_of(const uint8_t *const row[2], int32_t weight, unsigned at, int32_t zero_q15, int64_t factor_q30)
+/* Sum of (blended code - zero) / 255 x factor, q13. */
+static int32_t value_of(const channel *of, int count, unsigned column)
 {
-    const int64_t code = (int64_t)row[0][at] * (32768 - weight) + (int64_t)row[1][at] * weight - zero_q15;
-    const int64_t value = fx_shift(fx_shift(code * 8421505, 16) * fx_shift(factor_q30, 15), 32); /* 2^31 / 255 */
+    int64_t value = 0;
+    int i;
 
+    for (i = 0; i < count; i++) {
+        const int64_t code = (int64_t)of[i].row[0][4 * column] * (32768 - of[i].weight_q15) +
+                             (int64_t)of[i].row[1][4 * column] * of[i].weight_q15 - of[i].zero_q15;
+
+        value += fx_shift(fx_shift(code * 8421505, 16) * fx_shift(of[i].factor_q30, 15), 32); /* 2^31 / 255 */
+    }
     return (int32_t)(value < -8191 ? -8191 : value > 8191 ? 8191 : value);
 }
 
-static void set_column(uint32_t *columns, unsigned stride, unsigned width, const uint8_t *const row[2], int32_t weight,
-                       unsigned channel, int32_t zero_q15, int64_t factor_q30)
+static void set_column(uint32_t *columns, unsigned stride, unsigned width, const channel *of, int count)
 {
-    int32_t next = value_of(row, weight, channel, zero_q15, factor_q30);
+    int32_t next = value_of(of, count, 0);
     unsigned i;
 
     for (i = 0; i < width; i++) {
         const int32_t value = next;
 
-        if (i + 1 < width) next = value_of(row, weight, 4 * (i + 1) + channel, zero_q15, factor_q30);
+        if (i + 1 < width) next = value_of(of, count, i + 1);
         columns[i * stride] = (uint32_t)value << 16 | ((uint32_t)(2 * (next - value)) & 65535u);
     }
 }
 
-#define HALF_CODE_Q15 (127 * 32768 + 16384) /* 127.5 */
-
-static void set_columns(shade_table_eval *out, uint32_t *columns, const shade_table_setup *setup,
-                        const shade_table *table, const int64_t part_q30[3], const uint8_t *const texels[2])
+static int64_t largest(const int64_t v[3])
 {
-    const uint8_t *row[2];
-    const int32_t weight = find_rows(table, setup->row_q28, texels[0], row);
-    const unsigned stride = out->fine ? 8 : 4, width = table->width;
-    int64_t bend_q30[3], most = 0;
+    int64_t most = v[0] > v[1] ? v[0] : v[1];
+
+    return v[2] > most ? v[2] : most;
+}
+
+/* Sets how the shared terms are spread over the channels: like v. Returns the largest. */
+static int64_t spread(shade_table_eval *out, const int64_t v[3])
+{
+    const int64_t most = largest(v);
     int i;
 
+    for (i = 0; i < 3; i++)
+        out->phi[i] = (int16_t)(most > 0 ? eval_least((int32_t)fx_div(v[i] * 32768, most), 32767) : 0);
+    return most;
+}
+
+static int64_t times_q16(int64_t a, nacre_q16 b)
+{
+    return fx_shift(a * b, 16);
+}
+
+/* Fine tier: base + A D, coefficients of a^2 by channel, |a|, a^4. */
+static void set_columns_fine(shade_table_eval *out, uint32_t *columns, int32_t row_q28, const shade_table *table,
+                             const int64_t part_q30[3], const uint8_t *const texels[2])
+{
+    const int64_t most = spread(out, part_q30);
+    channel of[2];
+    unsigned i;
+
     for (i = 0; i < 3; i++) {
-        set_column(columns + i, stride, width, row, weight, (unsigned)i, 0, part_q30[i]);
-        bend_q30[i] = out->fine ? fx_shift(part_q30[i] * table->k2, 16) : fx_shift(part_q30[i] * table->w[i], 16);
-        if (bend_q30[i] > most) most = bend_q30[i];
+        of[0] = channel_of(table, row_q28, texels[0], i, 0, part_q30[i]);
+        of[1] = channel_of(table, row_q28, texels[0], 3, 0, times_q16(part_q30[i], table->d[i]));
+        set_column(columns + i, 8, table->width, of, 2);
+        of[0] = channel_of(table, row_q28, texels[1], 0, HALF_CODE_Q15, times_q16(part_q30[i], table->w[i]));
+        of[1] = channel_of(table, row_q28, texels[1], 1, HALF_CODE_Q15, times_q16(part_q30[i], table->v[i]));
+        set_column(columns + 4 + i, 8, table->width, of, 2);
     }
-    for (i = 0; i < 3; i++)
-        out->phi[i] = (int16_t)(most > 0 ? eval_least((int32_t)fx_div(bend_q30[i] * 32768, most), 32767) : 0);
-    set_column(columns + 3, stride, width, row, weight, 3, HALF_CODE_Q15, most);
-    if (!out->fine) return;
-    find_rows(table, setup->row_q28, texels[1], row);
-    for (i = 0; i < 3; i++)
-        set_column(columns + 4 + i, stride, width, row, weight, (unsigned)i, HALF_CODE_Q15,
-                   fx_shift(part_q30[i] * table->k1, 16));
+    of[0] = channel_of(table, row_q28, texels[1], 2, HALF_CODE_Q15, times_q16(most, table->k2));
+    set_column(columns + 3, 8, table->width, of, 1);
+    of[0] = channel_of(table, row_q28, texels[1], 3, HALF_CODE_Q15, times_q16(most, table->k4));
+    set_column(columns + 7, 8, table->width, of, 1);
+}
+
+/* One layer, or two of the early fine tier. */
+static void set_columns(shade_table_eval *out, uint32_t *columns, int32_t row_q28, const shade_table *table,
+                        const int64_t part_q30[3], const uint8_t *const texels[2])
+{
+    const unsigned stride = out->fine ? 8 : 4, width = table->width;
+    int64_t bend_q30[3];
+    channel of;
+    unsigned i;
+
+    for (i = 0; i < 3; i++) {
+        of = channel_of(table, row_q28, texels[0], i, 0, part_q30[i]);
+        set_column(columns + i, stride, width, &of, 1);
+        bend_q30[i] = times_q16(part_q30[i], out->fine ? table->k2 : table->w[i]);
+    }
+    of = channel_of(table, row_q28, texels[0], 3, HALF_CODE_Q15, spread(out, bend_q30));
+    set_column(columns + 3, stride, width, &of, 1);
+    for (i = 0; i < 4 && out->fine; i++) {
+        of = channel_of(table, row_q28, texels[1], i, HALF_CODE_Q15, i < 3 ? times_q16(part_q30[i], table->k1) : 0);
+        set_column(columns + 4 + i, stride, width, &of, 1);
+    }
+}
+
+/* Halvings that bring everything in a fine table's columns below 1. */
+static int halvings(const shade_material *material)
+{
+    const shade_table *const table = &material->is.table;
+    int64_t most = (int64_t)table->k4 / 2;
+    int i, down = 0;
+
+    if (!material->fine || material->early) return 0;
+    if (table->k2 / 2 > most) most = table->k2 / 2;
+    for (i = 0; i < 3; i++) {
+        const int64_t w = table->w[i] < 0 ? -(int64_t)table->w[i] : table->w[i],
+                      v = table->v[i] < 0 ? -(int64_t)table->v[i] : table->v[i];
+
+        if (65536 + (int64_t)table->d[i] > most) most = 65536 + (int64_t)table->d[i];
+        if ((w + v) / 2 > most) most = (w + v) / 2;
+    }
+    while (most >> down > 65536) down++;
+    return down;
 }
 
 /* u: 0 at n = h, (width - 1) at t = 1. */
@@ -109,6 +188,7 @@ int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const sha
 {
     const shade_table *const table = &material->is.table;
     shade_table_eval eval = {0};
+    const int down = halvings(material);
     int64_t log2_of[3], part_q30[3], most = FX_LOG2_ZERO;
     int i;
 
@@ -124,15 +204,18 @@ int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const sha
     for (i = 0; i < 3; i++) {
         const int64_t below = log2_of[i] <= FX_LOG2_ZERO ? 2 * FX_LOG2_ZERO : (log2_of[i] - most) * 65536;
 
-        part_q30[i] = 2 * (int64_t)fx_real_fixed(fx_real_exp2(fx_div(below, table->p)), 29);
+        part_q30[i] = (2 * (int64_t)fx_real_fixed(fx_real_exp2(fx_div(below, table->p)), 29)) >> down;
     }
     set_directions(&eval, &light->is.table, table);
-    set_columns(&eval, columns, &light->is.table, table, part_q30, texels);
+    if (material->fine && !material->early)
+        set_columns_fine(&eval, columns, light->is.table.row_q28, table, part_q30, texels);
+    else
+        set_columns(&eval, columns, light->is.table.row_q28, table, part_q30, texels);
     if (eval.power4) {
-        shade_eval_gain(fx_shift(most - 2 * 65536, 1), &eval.gain, &eval.shift);
+        shade_eval_gain(fx_shift(most - 2 * 65536, 1) + 2 * down * 65536, &eval.gain, &eval.shift);
     } else {
-        shade_eval_gain(fx_div((most - 2 * 65536) * 5, 24), &eval.gain, &eval.shift);
-        shade_eval_gain(fx_div(most * 5, 24) + LOG2_CODE_ROOT_Q16, &eval.gain_code, &eval.shift_code);
+        shade_eval_gain(fx_div((most - 2 * 65536) * 5, 24) + down * 65536, &eval.gain, &eval.shift);
+        shade_eval_gain(fx_div(most * 5, 24) + down * 65536 + LOG2_CODE_ROOT_Q16, &eval.gain_code, &eval.shift_code);
     }
     *out = eval;
     return 1;

@@ -17,14 +17,33 @@ static int is_near(int32_t q16, int32_t wanted_q16)
     return q16 > wanted_q16 - 256 && q16 < wanted_q16 + 256;
 }
 
+/* The numbers of NACRE_KEY_TABLE; those a layout does not have stay as they are. 0: none of its counts. */
+static int table_numbers(int32_t v[17], shade_material *out, const nacre_image *image)
+{
+    out->fine = image->layers == 2;
+    if (asset_key_q16(image, NACRE_KEY_TABLE, v, out->fine ? 17 : 10)) return 1;
+    out->early = out->fine;
+    return asset_key_q16(image, NACRE_KEY_TABLE, v, 9);
+}
+
+static int in_range(const int32_t *v, int count, int32_t low, int32_t high)
+{
+    int i;
+
+    for (i = 0; i < count; i++)
+        if (v[i] < low || v[i] > high) return 0;
+    return 1;
+}
+
 static nacre_result read_table(shade_material *out, const nacre_image *image)
 {
     shade_table *t = &out->is.table;
-    int32_t v[9];
+    int32_t v[17] = {0};
     int i;
+    v[9] = 19661; /* 0.3 */
     if (image->format != NACRE_FORMAT_RGBA8 || image->layers > 2 || image->width < 2 || image->height < 2)
         return NACRE_ERR_ASSET;
-    if (!says(image, NACRE_KEY_ROLE, "table") || !asset_key_q16(image, NACRE_KEY_TABLE, v, 9)) return NACRE_ERR_ASSET;
+    if (!says(image, NACRE_KEY_ROLE, "table") || !table_numbers(v, out, image)) return NACRE_ERR_ASSET;
     t->e = v[0];
     t->ymax = v[1];
     for (i = 0; i < 3; i++) t->w[i] = v[2 + i];
@@ -32,10 +51,18 @@ static nacre_result read_table(shade_material *out, const nacre_image *image)
     t->eps = v[6];
     t->k1 = v[7];
     t->k2 = v[8];
+    t->rows = v[9];
+    for (i = 0; i < 3; i++) {
+        t->d[i] = v[10 + i];
+        t->v[i] = v[13 + i];
+    }
+    t->k4 = v[16];
     t->width = image->width;
     t->height = image->height;
-    out->fine = image->layers == 2;
     if (t->e <= 0 || t->ymax <= 0 || t->eps <= 0 || t->eps > NACRE_Q16_ONE) return NACRE_ERR_ASSET;
+    if (!in_range(&t->rows, 1, -NACRE_Q16_ONE, NACRE_Q16_ONE) || !in_range(t->d, 3, 0, 13 * NACRE_Q16_ONE / 2) ||
+        !in_range(t->v, 3, -64 * NACRE_Q16_ONE, 64 * NACRE_Q16_ONE) || !in_range(&t->k4, 1, 0, 64 * NACRE_Q16_ONE))
+        return NACRE_ERR_ASSET;
     return is_near(t->p, 4 * NACRE_Q16_ONE) || is_near(t->p, 314573) ? NACRE_OK : NACRE_ERR_ASSET; /* 4 or 4.8 */
 }
 

@@ -180,18 +180,29 @@ static void set_position(shade_light *out, const nacre_light *light, const place
     }
 }
 
-/* log2 of how much a table's value can exceed 1 on the unlit side, where nothing was fitted and the phi_d term runs free:
-   |y| <= 1 + a^2 W / 2 (fine: 1 + a^2 K1 / 2 + |a| K2 / 2), where the shader keeps |a| <= 2 sin cos. */
+static int64_t largest3(const nacre_q16 v[3])
+{
+    int64_t most = 0;
+    int i;
+
+    for (i = 0; i < 3; i++) {
+        const int64_t size = v[i] < 0 ? -(int64_t)v[i] : v[i];
+
+        if (size > most) most = size;
+    }
+    return most;
+}
+
+/* log2 of how much a table's value can exceed 1 on the unlit side, where nothing was fitted and the phi_d terms run free:
+   |y| <= 1 + D + a^2 (W + V) / 2 + a^2 K1 / 2 + |a| K2 / 2 + a^4 K4 / 2, where the shader keeps |a| <= 2 sin cos. */
 static int64_t unlit_log2(const shade_material *material, const shade_table_setup *setup)
 {
     const shade_table *const table = &material->is.table;
     const int64_t half = fx_shift((int64_t)setup->sin_q28 * setup->cos_q28, 40), square = half * half >> 16;
-    int64_t w = table->w[0] > table->w[1] ? table->w[0] : table->w[1];
+    const int64_t phi = 2 * square * (largest3(table->w) + largest3(table->v) + table->k1) + half * table->k2 +
+                        8 * (square * square >> 16) * table->k4;
 
-    if (table->w[2] > w) w = table->w[2];
-    if (material->fine) w = table->k1;
-    return fx_log2_u64((uint64_t)(65536 + (2 * square * w + (material->fine ? half * table->k2 : 0)) / 65536)) -
-           16 * 65536;
+    return fx_log2_u64((uint64_t)(65536 + largest3(table->d) + phi / 65536)) - 16 * 65536;
 }
 
 /* The floor of 2^-14 under n.l is to light the unlit side by at most 2^-10: 1 code of 255. */
@@ -386,7 +397,7 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     set_camera(out, view, centre_view);
     set_ambient(out, view, material);
     if (material->model == NACRE_MODEL_TABLE)
-        shade_table_prepare(&out->is.table, &material->is.table, material->fine);
+        shade_table_prepare(&out->is.table, &material->is.table, material->early);
     else if (is_quarter(material))
         shade_quarter_prepare(&out->is.quarter, &material->is.spheres);
     else if (material->model == NACRE_MODEL_SBRDF)

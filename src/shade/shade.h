@@ -18,10 +18,15 @@
 typedef struct shade_table {
     nacre_q16 e;      /* > 0 */
     nacre_q16 ymax;   /* > 0 */
-    nacre_q16 w[3];   /* all 0: no phi_d term */
+    nacre_q16 w[3];   /* one layer: all 0: no phi_d term */
     nacre_q16 p;      /* 4.8 or 4 */
     nacre_q16 eps;    /* > 0 */
-    nacre_q16 k1, k2; /* fine tier */
+    nacre_q16 k1;     /* two layers, early */
+    nacre_q16 k2;     /* two layers */
+    nacre_q16 rows;   /* B of the row curve, -1..1 */
+    nacre_q16 d[3];   /* two layers: 0..6.5 */
+    nacre_q16 v[3];   /* two layers */
+    nacre_q16 k4;     /* two layers */
     uint16_t width, height;
 } shade_table;
 
@@ -52,6 +57,7 @@ typedef struct shade_sbrdf {
 typedef struct shade_material {
     nacre_model model;
     uint8_t fine;        /* table: two layers */
+    uint8_t early;       /* fine: nine numbers, see NACRE_KEY_TABLE */
     nacre_q16 albedo[3]; /* NACRE_KEY_ALBEDO; sbrdf: without the diffuse albedo, which is in the texels */
     union {
         shade_table table;
@@ -143,7 +149,8 @@ typedef struct shade_light {
 typedef struct shade_table_draw {
     fx_real scale, bias; /* u' = scale log2(|n - h|^2 + 2 eps) + bias */
     fx_real two_eps, root_two_eps;
-    nacre_q16 phi_q16[3]; /* W; fine tier: K1, K2, 0 */
+    nacre_q16 phi_q16[3]; /* W; early fine tier: K1, K2, 0 */
+    nacre_q16 d_q16[3], v_q16[3], k2_q16, k4_q16; /* fine tier */
     int32_t row_q28[3];   /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
 } shade_table_draw;
 
@@ -242,7 +249,7 @@ void shade_own_frame(int32_t turn_q28[][3], int32_t *sin_q28, int32_t *cos_q28, 
 int32_t shade_away(const shade_incoming *in);
 
 void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table);
-void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fine);
+void shade_table_prepare(shade_table_draw *out, const shade_table *table, int early);
 /* log2 (q16) of what table values have to be multiplied by: Ymax^p / (pi E), for light 1 and l.h 1. */
 int32_t shade_table_log2(const shade_table *table);
 

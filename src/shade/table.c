@@ -3,9 +3,12 @@
 
 #define LOG2_PI_Q16 108232 /* log2(pi) */
 
-/* v = 0.7 s + 0.3 s^2, in q28 */
-#define ROW_LINEAR 187904819
-#define ROW_SQUARE 80530637
+/* v = (1 - B) s + B s^2: both coefficients in q28. */
+static void row_curve(const shade_table *table, int64_t *linear, int64_t *square)
+{
+    *square = (int64_t)table->rows * 4096;
+    *linear = FX_Q28_ONE - *square;
+}
 
 int32_t shade_table_log2(const shade_table *table)
 {
@@ -26,8 +29,10 @@ void shade_table_light(shade_table_setup *out, const shade_incoming *in, const s
     const int32_t *l = in->to_light_q28;
     const int64_t twice_lh = 2 * (int64_t)in->l_dot_h_q28, away = shade_away(in);
     const int64_t s = fx_isqrt((uint64_t)away << 28);
+    int64_t linear, square;
     int i;
 
+    row_curve(table, &linear, &square);
     for (i = 0; i < 3; i++) {
         const int32_t v = i == 2 ? FX_Q28_ONE : 0;
 
@@ -35,7 +40,7 @@ void shade_table_light(shade_table_setup *out, const shade_incoming *in, const s
         out->half_q28[i] = in->lost ? v : (int32_t)fx_div(((int64_t)l[i] + v) * FX_Q28_ONE, twice_lh);
     }
     shade_own_frame(out->own_turn_q28, &out->sin_q28, &out->cos_q28, in);
-    out->row_q28 = (int32_t)end_aligned(fx_shift(ROW_LINEAR * s + ROW_SQUARE * away, 28), table->height);
+    out->row_q28 = (int32_t)end_aligned(fx_shift(linear * s + square * away, 28), table->height);
 }
 
 /* To the nearest number that fp16 holds. */
@@ -66,21 +71,30 @@ static void set_coordinate(shade_table_draw *out, int64_t scale_q28, int64_t bia
     }
 }
 
-void shade_table_prepare(shade_table_draw *out, const shade_table *table, int fine)
+void shade_table_prepare(shade_table_draw *out, const shade_table *table, int early)
 {
     const int64_t width = table->width, height = table->height;
     const int32_t log2_eps = fx_log2_q16(table->eps);
     const int64_t range = fx_log2_u64((uint64_t)table->eps + 65536) - 16 * 65536 - log2_eps; /* log2(1 / eps + 1) */
     const int64_t scale_q28 = fx_div((width - 1) * ((int64_t)1 << 44), width * range);
+    int64_t linear, square;
+    int i;
 
     set_coordinate(out, scale_q28, fx_shift(scale_q28 * (-65536 - log2_eps), 16) + fx_div(FX_Q28_ONE / 2, width),
                    65536 + log2_eps + range / 2);
     out->two_eps = fx_real_make(table->eps, -15);
     out->root_two_eps = fx_real_make(fx_isqrt((uint64_t)table->eps << 33), -24);
-    out->phi_q16[0] = fine ? table->k1 : table->w[0];
-    out->phi_q16[1] = fine ? table->k2 : table->w[1];
-    out->phi_q16[2] = fine ? 0 : table->w[2];
-    out->row_q28[0] = (int32_t)fx_div(ROW_LINEAR * (height - 1), height);
-    out->row_q28[1] = (int32_t)fx_div(ROW_SQUARE * (height - 1), height);
+    out->phi_q16[0] = early ? table->k1 : table->w[0];
+    out->phi_q16[1] = early ? table->k2 : table->w[1];
+    out->phi_q16[2] = early ? 0 : table->w[2];
+    for (i = 0; i < 3; i++) {
+        out->d_q16[i] = table->d[i];
+        out->v_q16[i] = table->v[i];
+    }
+    out->k2_q16 = table->k2;
+    out->k4_q16 = table->k4;
+    row_curve(table, &linear, &square);
+    out->row_q28[0] = (int32_t)fx_div(linear * (height - 1), height);
+    out->row_q28[1] = (int32_t)fx_div(square * (height - 1), height);
     out->row_q28[2] = (int32_t)fx_div(FX_Q28_ONE / 2, height);
 }

@@ -66,7 +66,7 @@ static nacre_result set_near(preparing *p, soft_item *item, uint32_t index, cons
 
     item->near = light_memory(p->soft, index);
     item->near_light = (shade_persp_light *)(void *)(item->near + 1);
-    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, texels) ||
+    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, material->early, texels) ||
         !soft_lens_set(&item->lens, p->soft, &p->view, frame))
         return NACRE_ERR_UNSUPPORTED;
     for (i = 0; i < frame->light_count; i++) {

@@ -90,16 +90,10 @@ static void note(errors *e, uint32_t rgba, const double wanted[3])
 
 static void read_table(shade_material *m, const nacre_image *image)
 {
-    int32_t v[9];
-    int i;
+    nacre_material material = {.model = NACRE_MODEL_TABLE};
 
-    m->model = NACRE_MODEL_TABLE;
-    assert_true(asset_key_q16(image, NACRE_KEY_TABLE, v, 9));
-    m->is.table = (shade_table){.e = v[0], .ymax = v[1], .p = v[5], .eps = v[6], .k1 = v[7], .k2 = v[8]};
-    for (i = 0; i < 3; i++) m->is.table.w[i] = v[2 + i];
-    m->is.table.width = image->width;
-    m->is.table.height = image->height;
-    m->fine = image->layers == 2;
+    material.image[NACRE_ROLE_TABLE] = image;
+    assert_int_equal(shade_material_read(m, &material), NACRE_OK);
 }
 
 static void read_spheres(shade_material *m, const nacre_image *image)
@@ -207,9 +201,10 @@ static void compare(case_model model, const char *name, double polar_deg, double
     print_message("\n");
     case_asset_close(&a);
     /* lights behind spheres: normals past the rim are held to it along x, in double along the radius */
-    assert_true(of_sum.mean / of_sum.count < 0.30 && of_sum.beyond <= 0.003 * of_sum.count);
+    /* the fine tier keeps values up to 8 in the bits in which others keep 1 */
+    assert_true(of_sum.mean / of_sum.count < (model == CASE_FINE ? 0.35 : 0.30) && of_sum.beyond <= 0.003 * of_sum.count);
     if (a.material.model == NACRE_MODEL_TABLE || polar_deg < 90) assert_true(of_sum.worst < worst);
-    if (d.has_code) assert_true(of_code.mean / of_code.count < 0.30 && of_code.worst < worst);
+    if (d.has_code) assert_true(of_code.mean / of_code.count < (model == CASE_FINE ? 0.35 : 0.30) && of_code.worst < worst);
 }
 
 static const double power[3] = {2.2, 2, 1.4}, bright[3] = {9, 7, 12};
@@ -225,7 +220,7 @@ static void tables(void **state)
     for (i = 0; i < sizeof names / sizeof *names; i++)
         for (k = 0; k < sizeof polar / sizeof *polar; k++) {
             compare(CASE_TABLE, names[i], polar[k], 40, k & 1 ? bright : power, 1.25);
-            compare(CASE_FINE, names[i], polar[k], 100, power, 1.25);
+            compare(CASE_FINE, names[i], polar[k], 100, power, 1.5);
         }
     compare(CASE_TABLE_P4, names[0], 35, 40, power, 1.25);
     compare(CASE_TABLE_RGB, names[1], 35, 240, power, 1.25);

@@ -99,6 +99,7 @@ static shade_material table_material(double power)
     m.is.table.w[1] = -2345;
     m.is.table.p = nacre_q16_from_float((float)power);
     m.is.table.eps = 256;
+    m.is.table.rows = 19661; /* 0.3 */
     m.is.table.width = 24;
     m.is.table.height = 21;
     return m;
@@ -167,7 +168,7 @@ static void one_table_light(double polar, double azimuth)
         NEAR(q28(t->half_q28[i]), (l[i] + (i == 2)) / (2 * lh),
              DIRECTION_ERROR + 4e-9 / (lh * lh)); /* 1 + l.v has 2^-28 steps */
     }
-    NEAR(q28(t->row_q28), ((0.7 * s + 0.3 * s * s) * 20 + 0.5) / 21, 1e-7);
+    NEAR(q28(t->row_q28), ((s + m.is.table.rows / 65536. * (s * s - s)) * 20 + 0.5) / 21, 1e-7);
     const double scale = pow(ymax, p) / (PI * e) / lh;
     CLOSE(real(frame.light[0].factor[0]), 2 * scale, FACTOR_ERROR);
     CLOSE(real(frame.light[0].factor[1]), 0.5 * scale, FACTOR_ERROR);
@@ -228,17 +229,27 @@ static void table_constants(void **unused)
         assert_true(is_half(real(t->scale)) && is_half(real(t->bias)));
         CLOSE(real(t->two_eps), 2 * eps, 1e-9);
         CLOSE(real(t->root_two_eps), sqrt(2 * eps), 2e-5); /* 17 bits at the smallest eps */
-        NEAR(q28(t->row_q28[0]), 0.7 * 20 / 21, 1e-8);
-        NEAR(q28(t->row_q28[1]), 0.3 * 20 / 21, 1e-8);
+        NEAR(q28(t->row_q28[0]), (1 - 19661 / 65536.) * 20 / 21, 1e-8);
+        NEAR(q28(t->row_q28[1]), 19661 / 65536. * 20 / 21, 1e-8);
         NEAR(q28(t->row_q28[2]), 0.5 / 21, 1e-8);
         assert_int_equal(t->phi_q16[0], 12345);
         assert_int_equal(t->phi_q16[1], -2345);
-        m.fine = 1;
+        m.fine = m.early = 1;
         m.is.table.k1 = 111;
         m.is.table.k2 = 222;
         shade_setup(&frame, &view, origin, &m, SHADE_LINEAR, 0, 8);
         assert_int_equal(frame.is.table.phi_q16[0], 111);
         assert_int_equal(frame.is.table.phi_q16[1], 222);
+        m.early = 0;
+        m.is.table.k4 = 333;
+        m.is.table.d[2] = 444;
+        m.is.table.v[1] = -555;
+        shade_setup(&frame, &view, origin, &m, SHADE_LINEAR, 0, 8);
+        assert_int_equal(frame.is.table.phi_q16[1], -2345);
+        assert_int_equal(frame.is.table.k2_q16, 222);
+        assert_int_equal(frame.is.table.k4_q16, 333);
+        assert_int_equal(frame.is.table.d_q16[2], 444);
+        assert_int_equal(frame.is.table.v_q16[1], -555);
     }
 }
 

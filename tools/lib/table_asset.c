@@ -17,16 +17,55 @@ void table_free(table_asset *t)
     *t = (table_asset){0};
 }
 
+/* The numbers of NACRE_KEY_TABLE in their order, with what a reader accepts. */
+#define NUMBERS 17
+static const struct {
+    const char *name;
+    double low, high;
+} number[NUMBERS] = {{"E", 1 / ONE_Q16, 32767},
+                     {"Ymax", 1 / ONE_Q16, 16},
+                     {"W.r", -64, 64},
+                     {"W.g", -64, 64},
+                     {"W.b", -64, 64},
+                     {"p", 1, 8},
+                     {"eps", 1 / ONE_Q16, 0.5},
+                     {"K1", 0, 64},
+                     {"K2", 0, 64},
+                     {"B", -1, 1},
+                     {"D.r", 0, TABLE_MAX_D},
+                     {"D.g", 0, TABLE_MAX_D},
+                     {"D.b", 0, TABLE_MAX_D},
+                     {"V.r", -64, 64},
+                     {"V.g", -64, 64},
+                     {"V.b", -64, 64},
+                     {"K4", 0, 64}};
+
+static void list_numbers(table_asset *t, double *at[NUMBERS])
+{
+    double *const in_order[NUMBERS] = {&t->e,    &t->ymax, &t->w[0], &t->w[1], &t->w[2], &t->p,
+                                       &t->eps,  &t->k1,   &t->k2,   &t->rows, &t->d[0], &t->d[1],
+                                       &t->d[2], &t->v[0], &t->v[1], &t->v[2], &t->k4};
+    memcpy(at, in_order, sizeof in_order);
+}
+
+static int count_numbers(table_layout layout)
+{
+    return layout == TABLE_ONE_LAYER ? 10 : layout == TABLE_TWO_LAYERS ? 17 : 9;
+}
+
 void table_write(const table_asset *t, bytes *out)
 {
-    double table[9] = {t->e, t->ymax, t->w[0], t->w[1], t->w[2], t->p, t->eps, t->k1, t->k2};
+    table_asset copy = *t;
+    double *at[NUMBERS], key[NUMBERS];
+    list_numbers(&copy, at);
+    for (int i = 0; i < NUMBERS; i++) key[i] = *at[i];
     ktx2_image k = {.format = NACRE_FORMAT_RGBA8, .width = t->width, .height = t->height, .faces = 1, .levels = 1};
     k.layers = t->layers > 1 ? t->layers : 0;
     bytes_append(&k.level[0], t->rgba, (size_t)(t->width * t->height * t->layers) * 4);
     ktx2_key_text(&k, NACRE_KEY_ROLE, "table");
     ktx2_key_text(&k, NACRE_KEY_TRANSFER, "root");
     ktx2_key_text(&k, NACRE_KEY_NAME, t->name);
-    ktx2_key_q16(&k, NACRE_KEY_TABLE, table, 9);
+    ktx2_key_q16(&k, NACRE_KEY_TABLE, key, count_numbers(t->layout));
     ktx2_key_q16(&k, NACRE_KEY_ALBEDO, t->albedo, 3);
     ktx2_write(&k, out);
     ktx2_free(&k);
@@ -81,46 +120,34 @@ static int check_shape(const nacre_image *image, const char *path, failure *f)
     return FAIL_NONE;
 }
 
-static int check_number(double value, double low, double high, const char *what, const char *path, failure *f)
+/* Nine numbers: as they were before the row curve was one; B is 0.3 there. */
+static int read_numbers(table_asset *t, const nacre_image *image, const char *path, failure *f)
 {
-    if (value >= low && value <= high) return FAIL_NONE;
-    return fail(f, FAIL_INVALID, "%s: key %s: found %s %g, expected %g..%g", path, NACRE_KEY_TABLE, what, value, low,
-                high);
+    double *at[NUMBERS], key[NUMBERS] = {[9] = 0.3};
+    int count = t->layers == 2 ? 17 : 10;
+    t->layout = t->layers == 2 ? TABLE_TWO_LAYERS : TABLE_ONE_LAYER;
+    if (!read_q16(image, NACRE_KEY_TABLE, key, count)) {
+        count = 9;
+        if (t->layers == 2) t->layout = TABLE_TWO_LAYERS_EARLY;
+        if (!read_q16(image, NACRE_KEY_TABLE, key, count))
+            return fail(f, FAIL_INVALID, "%s: key %s: missing or not 9 or %d q16 numbers", path, NACRE_KEY_TABLE,
+                        t->layers == 2 ? 17 : 10);
+    }
+    for (int i = 0; i < count; i++)
+        if (!(key[i] >= number[i].low && key[i] <= number[i].high))
+            return fail(f, FAIL_INVALID, "%s: key %s: found %s %g, expected %g..%g", path, NACRE_KEY_TABLE,
+                        number[i].name, key[i], number[i].low, number[i].high);
+    list_numbers(t, at);
+    for (int i = 0; i < NUMBERS; i++) *at[i] = key[i];
+    return FAIL_NONE;
 }
 
 int table_read(table_asset *out, const nacre_image *image, const char *path, failure *f)
 {
-    double key[9], albedo[3] = {0, 0, 0};
+    table_asset t = {.width = image->width, .height = image->height, .layers = image->layers};
     int result = check_shape(image, path, f);
-    if (result) return result;
-    if (!read_q16(image, NACRE_KEY_TABLE, key, 9))
-        return fail(f, FAIL_INVALID, "%s: key %s: missing or not nine q16 numbers", path, NACRE_KEY_TABLE);
-    static const struct {
-        const char *name;
-        double low, high;
-    } range[9] = {{"E", 1 / ONE_Q16, 32767},
-                  {"Ymax", 1 / ONE_Q16, 16},
-                  {"W.r", -64, 64},
-                  {"W.g", -64, 64},
-                  {"W.b", -64, 64},
-                  {"p", 1, 8},
-                  {"eps", 1 / ONE_Q16, 0.5},
-                  {"K1", 0, 64},
-                  {"K2", 0, 64}};
-    for (int i = 0; i < 9; i++)
-        if ((result = check_number(key[i], range[i].low, range[i].high, range[i].name, path, f))) return result;
-    read_q16(image, NACRE_KEY_ALBEDO, albedo, 3);
-    table_asset t = {.width = image->width,
-                     .height = image->height,
-                     .layers = image->layers,
-                     .e = key[0],
-                     .ymax = key[1],
-                     .w = {key[2], key[3], key[4]},
-                     .p = key[5],
-                     .eps = key[6],
-                     .k1 = key[7],
-                     .k2 = key[8],
-                     .albedo = {albedo[0], albedo[1], albedo[2]}};
+    if (result || (result = read_numbers(&t, image, path, f))) return result;
+    read_q16(image, NACRE_KEY_ALBEDO, t.albedo, 3);
     read_name(image, t.name, sizeof t.name);
     size_t layer = (size_t)(t.width * t.height) * 4;
     t.rgba = need_memory(layer, (size_t)t.layers);
@@ -146,19 +173,27 @@ static void fetch(const table_asset *t, int layer, const table_footprint *at, do
 void table_decode(const table_asset *t, const double to_light[3], const double to_eye[3], double radiance[3])
 {
     table_point point;
-    double first[4], second[4] = {0};
+    double first[4], second[4] = {0}, basis[TABLE_BASES];
     radiance[0] = radiance[1] = radiance[2] = 0;
-    if (!table_locate(&point, t->eps, to_light, to_eye)) return;
-    table_footprint at = table_filter(point.u, point.v, t->width, t->height);
+    if (!table_locate(&point, to_light, to_eye)) return;
+    table_footprint at = table_filter(t, point.t, point.s);
     fetch(t, 0, &at, first);
     if (t->layers == 2) fetch(t, 1, &at, second);
-    double square = point.a * point.a;
+    table_bases(point.a, basis);
     for (int k = 0; k < 3; k++) {
         double y = first[k];
-        if (t->layers == 2)
-            y += (second[k] - 0.5) * square * t->k1 + (first[3] - 0.5) * fabs(point.a) * t->k2;
-        else
-            y += (first[3] - 0.5) * square * t->w[k];
+        switch (t->layout) {
+        case TABLE_ONE_LAYER:
+            y += (first[3] - 0.5) * basis[0] * t->w[k];
+            break;
+        case TABLE_TWO_LAYERS:
+            y += first[3] * t->d[k] + ((second[0] - 0.5) * t->w[k] + (second[1] - 0.5) * t->v[k]) * basis[0] +
+                 (second[2] - 0.5) * basis[1] * t->k2 + (second[3] - 0.5) * basis[2] * t->k4;
+            break;
+        case TABLE_TWO_LAYERS_EARLY:
+            y += (second[k] - 0.5) * basis[0] * t->k1 + (first[3] - 0.5) * basis[1] * t->k2;
+            break;
+        }
         radiance[k] = pow(t->ymax * fmax(y, 0), t->p) / point.l_dot_h * to_light[2];
     }
 }

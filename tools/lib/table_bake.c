@@ -12,7 +12,9 @@
 #define RIDGE         1e-3
 #define RIDGE_CLOSED  1e-7
 #define COEFFICIENT   0.5
-#define RANGES        7
+#define VECTOR_STEP   4 /* of the samples that weight vectors are found with */
+#define RANGES        4
+#define BASE_SHARE    0.45 /* two layers: Ymax in parts of the largest root */
 #define RANGE_STEP    1.3
 #define WEIGHT_LIMIT  16.0 /* of |W|, K1, K2: far above what measured materials ask for (10 at most) */
 #define ONE_Q16       65536.0
@@ -29,7 +31,7 @@ static int check_options(const table_options *o, failure *f)
         return fail(f, FAIL_USAGE, "--size: found %dx%d, expected %d..%d texels a side", o->width, o->height,
                     TABLE_MIN_SIDE, TABLE_MAX_SIDE);
     if (o->power != 4.8 && o->power != 4) return fail(f, FAIL_USAGE, "--power: found %g, expected 4.8 or 4", o->power);
-    if (!(o->eps >= 1 / ONE_Q16 && o->eps <= 0.5))
+    if (o->eps != 0 && !(o->eps >= 1 / ONE_Q16 && o->eps <= 0.5))
         return fail(f, FAIL_USAGE, "--eps: found %g, expected 2^-16..0.5", o->eps);
     return FAIL_NONE;
 }
@@ -42,7 +44,6 @@ static table_options with_defaults(const table_options *given)
         o.height = 21;
     }
     if (o.power == 0) o.power = 4.8;
-    if (o.eps == 0) o.eps = 1.0 / 256;
     return o;
 }
 
@@ -53,59 +54,44 @@ static table_hold hold_of(const table_samples *s, const table_asset *t, double r
     return (table_hold){SMOOTH * unit * finer * finer, ridge * unit, COEFFICIENT};
 }
 
-/* Every texel at the mean of the roots, without coefficients. */
-static double *start(const table_model *m, const table_samples *s)
-{
-    int n = table_unknowns(m), texels = m->width * m->height;
-    double *x = need_memory((size_t)(texels * n), sizeof *x), sum[3] = {0}, weight = 0;
-    for (size_t i = 0; i < s->count; i++) {
-        for (int k = 0; k < 3; k++) sum[k] += s->sample[i].weight * s->sample[i].root[k];
-        weight += s->sample[i].weight;
-    }
-    for (int t = 0; t < texels; t++)
-        for (int k = 0; k < 3; k++) x[t * n + k] = weight > 0 ? sum[k] / weight : 0;
-    return x;
-}
-
 static double *fit(const table_model *m, const table_samples *s, const table_asset *t, int steps)
 {
     table_hold closed = hold_of(s, t, RIDGE_CLOSED), display = hold_of(s, t, RIDGE);
-    double *x = start(m, s);
+    double *x = table_start(m, s);
     table_solve_closed(m, s, &closed, x);
     table_solve_display(m, s, &display, steps, x);
     return x;
 }
 
-/* Coefficients of a^2, one per channel. */
-static void square_coefficients(table_model *m)
+static void add_coefficient(table_model *m, int kind, const double g[3])
 {
-    m->coefficients = 3;
-    for (int k = 0; k < 3; k++) {
-        m->coefficient[k].kind = 0;
-        m->coefficient[k].g[k] = 1;
-    }
+    m->coefficient[m->coefficients].kind = kind;
+    memcpy(m->coefficient[m->coefficients++].g, g, 3 * sizeof *g);
 }
 
-/* The model of a tier; for the default one this fits its weight vector first. */
+static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, grey[3] = {1, 1, 1};
+
+/* The model of a tier. Its weight vectors come from a fit with one coefficient of a^2 per channel. */
 static table_model model_of(table_tier tier, const table_asset *t, const table_samples *s)
 {
-    table_model m = {.width = t->width, .height = t->height, .power = t->p};
-    if (tier == TABLE_RGB) return m;
-    square_coefficients(&m);
-    if (tier == TABLE_FINE) {
-        m.coefficient[3].kind = 1;
-        for (int k = 0; k < 3; k++) m.coefficient[3].g[k] = 1;
-        m.coefficients = 4;
-        return m;
-    }
+    table_model out = {.width = t->width, .height = t->height, .power = t->p}, m = out;
+    int vectors = tier == TABLE_FINE ? 2 : 1;
+    double w[2][3];
+    if (tier == TABLE_RGB) return out;
+    for (int k = 0; k < 3; k++) add_coefficient(&m, 0, axis[k]);
+    for (int k = 1; k < TABLE_BASES && tier == TABLE_FINE; k++) add_coefficient(&m, k, grey);
+    table_samples few = table_samples_thin(s, VECTOR_STEP);
+    s = &few;
     table_hold closed = hold_of(s, t, RIDGE_CLOSED);
-    double *x = start(&m, s);
+    double *x = table_start(&m, s);
     table_solve_closed(&m, s, &closed, x);
     table_solve_display(&m, s, &closed, 1, x);
-    table_model shared = {.width = t->width, .height = t->height, .power = t->p, .coefficients = 1};
-    table_weight_vector(&m, s, x, shared.coefficient[0].g);
+    table_weight_vectors(&m, s, x, vectors, w);
+    table_samples_free(&few);
     free(x);
-    return shared;
+    for (int j = 0; j < vectors; j++) add_coefficient(&out, 0, w[j]);
+    for (int k = 1; k < TABLE_BASES && tier == TABLE_FINE; k++) add_coefficient(&out, k, grey);
+    return out;
 }
 
 /* Base roots that no sample asks for (out in the smoothed margins) come back into the material's own range. */
@@ -131,22 +117,44 @@ static double largest(const table_model *m, const double *x, int first, int coun
     return most;
 }
 
-/* Ymax, W, K1, K2 as they are stored; the coefficients' ranges are shrunk by the factor given. */
-static void set_scales(table_asset *t, const table_model *m, table_tier tier, const double *x, double factor)
+static double range_q16(const table_model *m, const double *x, int unknown, double unit)
 {
-    double most = largest(m, x, 0, 3);
-    t->ymax = most > 0 ? fmax(ceil(most * ONE_Q16), 1) / ONE_Q16 : 1;
-    double unit = 2 * factor / t->ymax, limit = WEIGHT_LIMIT;
-    if (tier == TABLE_DEFAULT)
-        for (int k = 0; k < 3; k++)
-            t->w[k] = round_q16(fmin(unit * largest(m, x, 3, 1), limit) * m->coefficient[0].g[k]);
-    if (tier == TABLE_FINE) {
-        t->k1 = round_q16(fmin(unit * largest(m, x, 3, 3), limit));
-        t->k2 = round_q16(fmin(unit * largest(m, x, 6, 1), limit));
+    return fmin(unit * largest(m, x, unknown, 1), WEIGHT_LIMIT);
+}
+
+/* The coefficients' ranges as they are stored, shrunk by the factor given. */
+static void set_ranges(table_asset *t, const table_model *m, const double *x, double factor)
+{
+    double unit = 2 * factor / t->ymax;
+    double *const vector[2] = {t->w, t->v}, *const scalar[2] = {&t->k2, &t->k4};
+    for (int j = 0; j < m->coefficients; j++) {
+        double range = range_q16(m, x, 3 + j, unit);
+        if (j < 2)
+            for (int k = 0; k < 3; k++) vector[j][k] = round_q16(range * m->coefficient[j].g[k]);
+        else
+            *scalar[j - 2] = round_q16(range);
     }
 }
 
-/* Codes of the range of coefficients that draws best: a few large ones may be cut so that all others get finer steps. */
+/* Ymax, and D so that RGB + A D reaches the largest root of each channel in the middle of RGB's range. share: Ymax over the
+   largest root. */
+static void set_base(table_asset *t, const table_model *m, const double *x, double share)
+{
+    double most = largest(m, x, 0, 3), ymax = t->layers == 2 ? share * most : most;
+    t->ymax = most > 0 ? fmax(ceil(ymax * ONE_Q16), 1) / ONE_Q16 : 1;
+    for (int k = 0; k < 3 && t->layers == 2; k++)
+        t->d[k] = round_q16(fmin(fmax(largest(m, x, k, 1) / t->ymax - 0.5, 0.1), TABLE_MAX_D));
+}
+
+static void keep(table_asset *best, const table_asset *tried)
+{
+    uint8_t *rgba = best->rgba;
+    memcpy(rgba, tried->rgba, (size_t)(tried->width * tried->height * tried->layers) * 4);
+    *best = *tried;
+    best->rgba = rgba;
+}
+
+/* Codes of the ranges that draw best: a few large values may be cut so that all others get finer steps. */
 static void encode(table_asset *t, const table_model *m, const table_samples *s, const table_options *o,
                    const double *x)
 {
@@ -159,15 +167,13 @@ static void encode(table_asset *t, const table_model *m, const table_samples *s,
     table_asset tried = *t;
     tried.rgba = need_memory(size, 1);
     for (int i = 0; i < RANGES; i++) {
-        set_scales(&tried, m, o->tier, x, pow(RANGE_STEP, -i));
+        set_base(&tried, m, x, BASE_SHARE);
+        set_ranges(&tried, m, x, pow(RANGE_STEP, -i));
         double error = table_round(&tried, &p, x);
         progress_add(o->progress, 1);
         if (error >= best) continue;
         best = error;
-        memcpy(t->rgba, tried.rgba, size);
-        uint8_t *rgba = t->rgba;
-        *t = tried;
-        t->rgba = rgba;
+        keep(t, &tried);
     }
     free(tried.rgba);
     table_problem_free(&p);
@@ -181,14 +187,19 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
     if (b->anisotropic)
         return fail(f, FAIL_UNSUPPORTED, "%s: anisotropic: a half-vector table holds isotropic BRDFs", b->name);
     table_asset t = {.width = o.width, .height = o.height, .layers = o.tier == TABLE_FINE ? 2 : 1};
+    t.layout = t.layers == 2 ? TABLE_TWO_LAYERS : TABLE_ONE_LAYER;
+    t.rows = round_q16(0.3);
+    double eps = o.eps > 0 ? o.eps : 1 / 256.0;
     double e = brdf_exposure(b);
     t.e = isfinite(e) ? round_q16(e) : 1; /* then the samples will tell where b is not finite */
     t.p = round_q16(o.power);
-    t.eps = round_q16(o.eps);
+    t.eps = round_q16(eps);
     snprintf(t.name, sizeof t.name, "%s", b->name);
     table_samples samples;
     result = table_samples_make(&samples, b, &t, f);
     if (result) return result;
+    table_choose_place(&t, &samples, o.eps == 0);
+    table_samples_place(&samples, &t);
     progress_begin(o.progress, "steps", 1 + DISPLAY_STEPS + RANGES);
     brdf_albedo(b, t.albedo);
     for (int k = 0; k < 3; k++) t.albedo[k] = round_q16(t.albedo[k]);

@@ -12,24 +12,30 @@
 
 #define TABLE_MIN_SIDE 4
 #define TABLE_MAX_SIDE 128
+#define TABLE_MAX_D    6.5 /* of TABLE_TWO_LAYERS: its power stays inside fp16 */
 
 /* A directional light nearer than this to "from behind, towards the eye" is dropped: h is undefined there. */
 #define TABLE_MIN_L_DOT_V (-0.999)
 
 typedef enum table_tier { TABLE_DEFAULT, TABLE_FINE, TABLE_RGB } table_tier;
 
+/* What the texels of a file hold: nacre_asset.h, NACRE_KEY_TABLE. */
+typedef enum table_layout { TABLE_ONE_LAYER, TABLE_TWO_LAYERS, TABLE_TWO_LAYERS_EARLY } table_layout;
+
 typedef struct table_options { /* zero means default */
     int width, height;         /* texels, 4..128 (24 x 21; fine 32 x 21) */
     table_tier tier;           /* TABLE_RGB: no phi_d term, W = 0 */
     double power;              /* p: 4.8 or 4 (4.8) */
-    double eps;                /* 2^-16..1/2 (2^-8) */
+    double eps;                /* 2^-16..1/2 (what suits the BRDF) */
     progress *progress;        /* told of steps; may be NULL */
 } table_options;
 
 typedef struct table_asset {
     int width, height, layers;
-    uint8_t *rgba;                        /* layers x height x width x 4, malloc'd */
-    double e, ymax, w[3], p, eps, k1, k2; /* as stored: multiples of 2^-16 */
+    table_layout layout;
+    uint8_t *rgba; /* layers x height x width x 4, malloc'd */
+    /* as stored, multiples of 2^-16; 0 where the layout has no such number */
+    double e, ymax, w[3], p, eps, k1, k2, rows, d[3], v[3], k4;
     double albedo[3];
     char name[256];
 } table_asset;

@@ -11,6 +11,31 @@
 #define CG_TOLERANCE  1e-5
 #define CG_ITERATIONS 250
 
+/* call, with n a constant for the compiler: the inner loops are short. */
+#define FOR_CONSTANT_N(count, call)  \
+    switch (count) {                 \
+    case 3: {                        \
+        enum { n = 3 };              \
+        call;                        \
+        break;                       \
+    }                                \
+    case 4: {                        \
+        enum { n = 4 };              \
+        call;                        \
+        break;                       \
+    }                                \
+    case 7: {                        \
+        enum { n = 7 };              \
+        call;                        \
+        break;                       \
+    }                                \
+    default: {                       \
+        const int n = (count);       \
+        call;                        \
+        break;                       \
+    }                                \
+    }
+
 table_problem table_problem_make(const table_model *m, const table_samples *s, const table_hold *hold)
 {
     int n = table_unknowns(m), texels = m->width * m->height;
@@ -46,17 +71,7 @@ static inline void gather(const table_sample *s, int width, int n, const double 
 void table_drawn(const table_problem *p, const table_sample *s, const double *x, double root[3])
 {
     double value[MAX_N];
-    switch (p->n) {
-    case 3:
-        gather(s, p->width, 3, x, value);
-        break;
-    case 4:
-        gather(s, p->width, 4, x, value);
-        break;
-    default:
-        gather(s, p->width, p->n, x, value);
-        break;
-    }
+    FOR_CONSTANT_N(p->n, gather(s, p->width, n, x, value));
     for (int k = 0; k < 3; k++) root[k] = value[k];
     for (int j = 0; j < p->model->coefficients; j++) {
         double term = value[3 + j] * s->basis[p->model->coefficient[j].kind];
@@ -70,7 +85,7 @@ static void share(const table_model *m, const table_sample *s, const double slop
 {
     int n = table_unknowns(m);
     for (int k = 0; k < 3; k++) {
-        double weight = s->weight * slope[k] * slope[k], pull = s->weight * slope[k] * residual[k], term[4];
+        double weight = s->weight * slope[k] * slope[k], pull = s->weight * slope[k] * residual[k], term[TABLE_MAX_COEFFICIENTS];
         for (int j = 0; j < m->coefficients; j++) term[j] = s->basis[m->coefficient[j].kind] * m->coefficient[j].g[k];
         vector[k] += pull;
         matrix[k * (n + 1)] = weight;
@@ -103,17 +118,7 @@ void table_accumulate(table_problem *p, const table_sample *s, const double slop
 {
     double matrix[MAX_N * MAX_N] = {0}, vector[MAX_N] = {0};
     share(p->model, s, slope, residual, matrix, vector);
-    switch (p->n) {
-    case 3:
-        scatter(p, s, 3, matrix, vector);
-        break;
-    case 4:
-        scatter(p, s, 4, matrix, vector);
-        break;
-    default:
-        scatter(p, s, p->n, matrix, vector);
-        break;
-    }
+    FOR_CONSTANT_N(p->n, scatter(p, s, n, matrix, vector));
 }
 
 /* y += R x for one line of count texels: R = D^T D, D the second difference; step between texels. */
@@ -138,7 +143,7 @@ void table_add_smoothing(const table_problem *p, const double *x, double *y)
         second_differences(p, x + (size_t)(i * p->n), y + (size_t)(i * p->n), p->height, p->width);
 }
 
-static void add_block(const double *block, int n, const double *x, double *y)
+static inline void add_block(const double *block, int n, const double *x, double *y)
 {
     for (int k = 0; k < n; k++) {
         double sum = 0;
@@ -147,10 +152,10 @@ static void add_block(const double *block, int n, const double *x, double *y)
     }
 }
 
-void table_apply(const table_problem *p, const double *x, double *y)
+/* y += H x. Inline so that n is a constant where it is called. */
+static inline void add_blocks(const table_problem *p, int n, const double *x, double *y)
 {
-    int n = p->n, offset[TABLE_STENCIL] = {0, 1, p->width - 1, p->width, p->width + 1};
-    for (int i = 0; i < p->texels * n; i++) y[i] = p->ridge[i % n] * x[i];
+    int offset[TABLE_STENCIL] = {0, 1, p->width - 1, p->width, p->width + 1};
     for (int t = 0; t < p->texels; t++) {
         const double *block = p->block + (size_t)(t * TABLE_STENCIL) * (size_t)(n * n);
         add_block(block, n, x + (size_t)(t * n), y + (size_t)(t * n));
@@ -161,6 +166,13 @@ void table_apply(const table_problem *p, const double *x, double *y)
             add_block(block + c * n * n, n, x + (size_t)(t * n), y + (size_t)(other * n));
         }
     }
+}
+
+void table_apply(const table_problem *p, const double *x, double *y)
+{
+    for (int t = 0; t < p->texels; t++)
+        for (int k = 0; k < p->n; k++) y[t * p->n + k] = p->ridge[k] * x[t * p->n + k];
+    FOR_CONSTANT_N(p->n, add_blocks(p, n, x, y));
     table_add_smoothing(p, x, y);
 }
 

@@ -9,13 +9,13 @@
 
 /* Where a pair of directions falls in a table, and the terms of its equations. */
 typedef struct table_point {
-    double u, v; /* 0..1 between the first and the last texel centre */
+    double t, s; /* 1 - n.h, sqrt(1 - l.h) */
     double a;    /* n.l - n.v */
     double l_dot_h;
 } table_point;
 
 /* 0 where the table defines nothing: a direction at or below the horizon, or l.v < TABLE_MIN_L_DOT_V. */
-int table_locate(table_point *out, double eps, const double to_light[3], const double to_eye[3]);
+int table_locate(table_point *out, const double to_light[3], const double to_eye[3]);
 
 /* Bilinear footprint of (u, v): texels first, first + 1, first + width, first + width + 1. */
 typedef struct table_footprint {
@@ -31,11 +31,20 @@ static inline void table_corners(const table_footprint *at, int width, int texel
     texel[3] = at->first + width + 1;
 }
 
-table_footprint table_filter(double u, double v, int width, int height);
+table_footprint table_filter(const table_asset *t, double one_less_n_dot_h, double s);
+
+/* The largest |n.l - n.v| of directions above the horizon that fall nearer to a texel than its neighbours are. */
+double table_reach(const table_asset *t, int column, int row);
+
+/* a^2, |a|, a^4 */
+enum { TABLE_BASES = 3 };
+void table_bases(double a, double basis[TABLE_BASES]);
 
 typedef struct table_sample {
     table_footprint at;
-    double basis[2];   /* a^2, |a| */
+    double t, s;       /* of table_point */
+    int frame;         /* 0..TABLE_FRAMES - 1, or -1 */
+    double basis[TABLE_BASES];
     double factor24;   /* (n.l / l.h)^(1/2.4): radiance^(1/2.4) = factor24 x root^(p/2.4) */
     double root[3];    /* of pi E f_r l.h, the value to store, at most TABLE_MAX_ROOTED^(1/p) */
     double display[3]; /* what that root shows */
@@ -43,32 +52,44 @@ typedef struct table_sample {
     double weight;
 } table_sample;
 
-/* Largest pi E f_r l.h that is kept: six stops above white. */
-#define TABLE_MAX_ROOTED 64.0
+#define TABLE_FRAMES 79
+#define TABLE_DIM24  0.5612310241546865 /* (1/4)^(1/2.4): 2 stops down */
+
+/* Largest pi E f_r l.h that is kept: six stops above white; in two layers fourteen, so that peaks keep their energy. */
+#define TABLE_MAX_ROOTED     64.0
+#define TABLE_MAX_ROOTED_TWO 16384.0
 
 typedef struct table_samples {
     table_sample *sample; /* malloc'd */
     size_t count;
 } table_samples;
 
-/* Samples of b for a width x height table under exposure e. FAIL_INVALID: b is not finite somewhere. */
+/* Samples of b for t, of which all but the texels is set. FAIL_INVALID: b is not finite somewhere. */
 int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, failure *f);
+/* Find their texels again after t's size, eps or row curve changed. */
+void table_samples_place(table_samples *s, const table_asset *t);
 void table_samples_free(table_samples *s);
+/* Every step-th sample. */
+table_samples table_samples_thin(const table_samples *s, int step);
+
+/* Set t's row curve, and eps if asked to, to what suits the samples. */
+void table_choose_place(table_asset *t, const table_samples *s, int choose_eps);
 
 /* Display value of a root at a sample, and its slope by the root. The curve is sRGB, continued above 1 by 1 + 0.06 ln of the
    radiance so that highlights keep some weight. Negative roots count as 0. */
 double table_show(const table_sample *s, double power, double root, double *slope);
 
 /* What a texel holds: three base roots, then coefficients. Coefficient j adds x[3 + j] basis[kind] g[channel]. */
-#define TABLE_MAX_UNKNOWNS 7
+#define TABLE_MAX_COEFFICIENTS 5
+#define TABLE_MAX_UNKNOWNS     (3 + TABLE_MAX_COEFFICIENTS)
 typedef struct table_model {
     int width, height;
     double power;
-    int coefficients; /* 0..4 */
+    int coefficients; /* 0..TABLE_MAX_COEFFICIENTS */
     struct {
         int kind; /* index of table_sample.basis */
         double g[3];
-    } coefficient[4];
+    } coefficient[TABLE_MAX_COEFFICIENTS];
 } table_model;
 
 static inline int table_unknowns(const table_model *m)
@@ -121,6 +142,9 @@ void table_add_smoothing(const table_problem *p, const double *x, double *y); /*
 void table_apply(const table_problem *p, const double *x, double *y);         /* y = (H + smooth R + ridge) x */
 void table_solve(table_problem *p, const double *x, double *dx);
 
+/* Every texel at the mean of the roots, without coefficients. malloc'd. */
+double *table_start(const table_model *m, const table_samples *s);
+
 /* x: table_unknowns(m) doubles per texel. Both solvers start from what is in x. */
 void table_solve_closed(const table_model *m, const table_samples *s, const table_hold *hold, double *x);
 void table_solve_display(const table_model *m, const table_samples *s, const table_hold *hold, int steps, double *x);
@@ -129,8 +153,9 @@ void table_solve_display(const table_model *m, const table_samples *s, const tab
    the linearised display error in p is least. Returns that error, comparable between scales of one x and p. */
 double table_round(table_asset *t, const table_problem *p, const double *x);
 
-/* Leading eigenvector of sum over texels H c c^T for a model of three coefficients of one kind (H: mean diagonal of the
-   coefficients' block of the closed form's normal matrix), sign so that its sum is positive, largest |value| 1. */
-void table_weight_vector(const table_model *m, const table_samples *s, const double *x, double w[3]);
+/* Leading eigenvectors of sum over texels H c c^T for a model whose first three coefficients are one per channel and of one
+   kind (H: mean diagonal of their block of the closed form's normal matrix), sign so that the sum is positive, largest
+   |value| 1. count: 1 or 2. */
+void table_weight_vectors(const table_model *m, const table_samples *s, const double *x, int count, double w[2][3]);
 
 #endif

@@ -7,28 +7,35 @@
 
 #define SWEEPS 12
 
-/* The code of an unknown of a texel: base roots in RGB of the first layer; the default tier's coefficient in its alpha;
-   fine: coefficients of a^2 in RGB of the second layer, that of |a| in the first one's alpha. */
+/* The code of an unknown of a texel: base roots in RGB of the first layer; one layer: the coefficient in its alpha; two:
+   coefficients in the second layer. The first layer's alpha then belongs to the base roots, see round_base. */
 static uint8_t *code_of(const table_asset *t, int texel, int unknown)
 {
     uint8_t *first = t->rgba + (size_t)texel * 4;
     if (unknown < 3) return first + unknown;
-    if (t->layers == 1 || unknown == 6) return first + 3;
+    if (t->layers == 1) return first + 3;
     return first + (size_t)(t->width * t->height) * 4 + (unknown - 3);
+}
+
+static double largest3(const double v[3])
+{
+    return fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
 }
 
 /* What a full step of code, 0 to 255, is worth in an unknown. */
 static double range_of(const table_asset *t, int unknown)
 {
     if (unknown < 3) return t->ymax;
-    if (t->layers == 2) return t->ymax * (unknown == 6 ? t->k2 : t->k1);
-    return t->ymax * fmax(fabs(t->w[0]), fmax(fabs(t->w[1]), fabs(t->w[2])));
+    double range[4] = {largest3(t->w), largest3(t->v), t->k2, t->k4};
+    return t->ymax * range[unknown - 3];
 }
 
 static double value_of(const table_asset *t, int texel, int unknown)
 {
     double x = *code_of(t, texel, unknown) / 255.0;
-    return (unknown < 3 ? x : x - 0.5) * range_of(t, unknown);
+    if (unknown >= 3) return (x - 0.5) * range_of(t, unknown);
+    if (t->layers == 2) x += t->rgba[4 * texel + 3] / 255.0 * t->d[unknown];
+    return x * t->ymax;
 }
 
 static int nearest(double value, double range, int unknown)
@@ -38,34 +45,49 @@ static int nearest(double value, double range, int unknown)
     return (int)(fmin(fmax(x, 0), 1) * 255 + 0.5);
 }
 
-/* Least y of a texel's channel over |a| in 0..1. */
-static double least(double base, double square, double linear)
+/* Codes R G B A whose sums RGB + A D come nearest to three base roots. A is the least that leaves RGB no more than 255, so
+   that it is 0 but near the peak: where neighbours share their alpha, its filter is exact on GPUs that filter in 8 bits
+   too. */
+static void round_base(const table_asset *t, const double root[3], uint8_t code[4])
 {
-    double low = fmin(base, base + square + linear);
-    double at = square > 0 ? -linear / (2 * square) : -1;
-    return at > 0 && at < 1 ? fmin(low, base - linear * linear / (4 * square)) : low;
+    double wanted[3], a = 0;
+    for (int k = 0; k < 3; k++) {
+        wanted[k] = root[k] / t->ymax * 255;
+        a = fmax(a, ceil((wanted[k] - 255) / t->d[k]));
+    }
+    a = fmin(a, 255);
+    for (int k = 0; k < 3; k++) code[k] = (uint8_t)(fmin(fmax(wanted[k] - a * t->d[k], 0), 255) + 0.5);
+    code[3] = (uint8_t)a;
 }
 
-/* 1 if no |a| in 0..1 gives a negative y: a power of such a value differs from device to device. */
+/* 1 if no |a| that a lit and seen point near the texel can have gives a negative y: a power of such a value differs from
+   device to device. */
 static int positive(const table_asset *t, int texel)
 {
-    const uint8_t *base = t->rgba + (size_t)texel * 4, *second = base + (size_t)(t->width * t->height) * 4;
-    double alpha = base[3] / 255.0 - 0.5;
+    const double reach = table_reach(t, texel % t->width, texel / t->width);
+    const uint8_t *first = t->rgba + (size_t)texel * 4, *second = first + (size_t)(t->width * t->height) * 4;
+    double c[4] = {0}, ymax = t->ymax;
+    for (int j = 0; j < (t->layers == 2 ? 4 : 1); j++) c[j] = (t->layers == 2 ? second[j] : first[3]) / 255.0 - 0.5;
     for (int k = 0; k < 3; k++) {
-        double square = t->layers == 2 ? (second[k] / 255.0 - 0.5) * t->k1 : alpha * t->w[k];
-        double linear = t->layers == 2 ? alpha * t->k2 : 0;
-        if (least(base[k] / 255.0, square, linear) < 0) return 0;
+        double base = value_of(t, texel, k) / ymax, square = c[0] * t->w[k] + c[1] * t->v[k], linear = c[2] * t->k2,
+               fourth = c[3] * t->k4;
+        if (base + reach * (fmin(linear, 0) + reach * (fmin(square, 0) + reach * reach * fmin(fourth, 0))) >= 0) continue;
+        for (int i = 0; i <= 64; i++) {
+            double a = reach * i / 64;
+            if (base + a * (linear + a * (square + a * a * fourth)) < 0) return 0;
+        }
     }
     return 1;
 }
 
-/* Nearest codes; coefficients towards zero, and at last the base up, until the texel is positive. */
-static void round_texel(table_asset *t, const table_model *m, int texel, const double *x)
+static void round_texel(table_asset *t, const table_problem *p, int texel, const double *x)
 {
-    for (int k = 0; k < table_unknowns(m); k++) *code_of(t, texel, k) = (uint8_t)nearest(x[k], range_of(t, k), k);
+    for (int k = 0; k < p->n; k++) *code_of(t, texel, k) = (uint8_t)nearest(x[k], range_of(t, k), k);
+    if (t->layers == 2) round_base(t, x, t->rgba + 4 * texel);
+    /* coefficients towards zero, and at last the base up, until the texel is positive */
     while (!positive(t, texel)) {
         int moved = 0;
-        for (int k = 3; k < table_unknowns(m); k++) {
+        for (int k = 3; k < p->n; k++) {
             uint8_t *code = code_of(t, texel, k);
             int step = (*code < 127) - (*code > 128);
             *code = (uint8_t)(*code + step);
@@ -83,13 +105,48 @@ static int improve(const table_problem *p, table_asset *t, int texel, int unknow
     if (!(range > 0 && stiffness > 0)) return 0;
     uint8_t *code = code_of(t, texel, unknown);
     int old = *code;
-    double before = value_of(t, texel, unknown);
-    int wanted = nearest(before - gradient[texel * p->n + unknown] / stiffness, range, unknown);
-    *code = (uint8_t)wanted;
+    double before = value_of(t, texel, unknown), wanted = before - gradient[texel * p->n + unknown] / stiffness;
+    if (unknown < 3 && t->layers == 2) wanted -= t->ymax * t->rgba[4 * texel + 3] / 255.0 * t->d[unknown];
+    *code = (uint8_t)nearest(wanted, range, unknown);
     while (*code != old && !positive(t, texel)) *code = (uint8_t)(*code + (*code < old ? 1 : -1));
     if (*code == old) return 0;
     table_apply_one(p, texel, unknown, value_of(t, texel, unknown) - before, gradient);
     return 1;
+}
+
+/* The same for a texel's three base roots at once, where an alpha binds them: H has no terms between them. */
+static int improve_base(const table_problem *p, table_asset *t, int texel, double *gradient)
+{
+    uint8_t *code = t->rgba + 4 * texel, old[4], next[4];
+    double before[3], wanted[3], stiffness[3], gain = 0;
+    for (int k = 0; k < 3; k++) {
+        stiffness[k] = table_stiffness(p, texel, k);
+        if (!(stiffness[k] > 0)) return 0;
+        before[k] = value_of(t, texel, k);
+        wanted[k] = before[k] - gradient[texel * p->n + k] / stiffness[k];
+    }
+    round_base(t, wanted, next);
+    for (int c = 0; c < 4; c++) old[c] = code[c];
+    for (int c = 0; c < 4; c++) code[c] = next[c];
+    for (int k = 0; k < 3; k++)
+        gain += stiffness[k] * (pow(before[k] - wanted[k], 2) - pow(value_of(t, texel, k) - wanted[k], 2));
+    if (!(gain > 0) || !positive(t, texel)) {
+        for (int c = 0; c < 4; c++) code[c] = old[c];
+        return 0;
+    }
+    for (int k = 0; k < 3; k++) table_apply_one(p, texel, k, value_of(t, texel, k) - before[k], gradient);
+    return 1;
+}
+
+static int improve_texel(const table_problem *p, table_asset *t, int texel, double *gradient)
+{
+    int moved = 0, first = 0;
+    if (t->layers == 2) {
+        moved = improve_base(p, t, texel, gradient);
+        first = 3;
+    }
+    for (int k = first; k < p->n; k++) moved |= improve(p, t, texel, k, gradient);
+    return moved;
 }
 
 static double settle(const table_problem *p, table_asset *t, const double *x, double *z, double *gradient)
@@ -103,7 +160,7 @@ static double settle(const table_problem *p, table_asset *t, const double *x, do
     for (int i = 0; i < count; i++) gradient[i] -= rhs[i];
     for (int sweep = 0, moved = 1; sweep < SWEEPS && moved; sweep++) {
         moved = 0;
-        for (int i = 0; i < count; i++) moved |= improve(p, t, i / n, i % n, gradient);
+        for (int i = 0; i < p->texels; i++) moved |= improve_texel(p, t, i, gradient);
     }
     for (int i = 0; i < count; i++) error += (value_of(t, i / n, i % n) - x[i]) * (gradient[i] - rhs[i]) / 2;
     free(rhs);
@@ -114,10 +171,10 @@ double table_round(table_asset *t, const table_problem *p, const double *x)
 {
     size_t count = (size_t)(p->texels * p->n);
     double *z = need_memory(2 * count, sizeof *z);
-    for (int i = 0; i < p->texels * (t->layers == 2 ? 2 : 1); i++) {
-        t->rgba[4 * i + 3] = i < p->texels ? 128 : 255;
+    for (int i = 0; i < p->texels; i++) {
+        for (int c = 3; c < 4 * t->layers; c++) *(c < 4 ? t->rgba + 4 * i + c : t->rgba + 4 * (p->texels + i) + c - 4) = 128;
+        round_texel(t, p, i, x + i * p->n);
     }
-    for (int i = 0; i < p->texels; i++) round_texel(t, p->model, i, x + i * p->n);
     double error = settle(p, t, x, z, z + count);
     free(z);
     return error;

@@ -28,7 +28,7 @@
 #define GRID_PHI    5
 #define GRID_WEIGHT 0.5
 
-int table_locate(table_point *out, double eps, const double to_light[3], const double to_eye[3])
+int table_locate(table_point *out, const double to_light[3], const double to_eye[3])
 {
     double h[3], squared = 0, l_dot_v = 0;
     if (to_light[2] <= 0 || to_eye[2] <= 0) return 0;
@@ -40,10 +40,8 @@ int table_locate(table_point *out, double eps, const double to_light[3], const d
     if (l_dot_v < TABLE_MIN_L_DOT_V) return 0;
     double length = sqrt(squared);
     for (int k = 0; k < 3; k++) h[k] /= length;
-    double t = (h[0] * h[0] + h[1] * h[1] + (1 - h[2]) * (1 - h[2])) / 2;
-    double s = sqrt(fmax(0, 1 - length / 2));
-    out->u = log2(t / eps + 1) / log2(1 / eps + 1);
-    out->v = 0.7 * s + 0.3 * s * s;
+    out->t = (h[0] * h[0] + h[1] * h[1] + (1 - h[2]) * (1 - h[2])) / 2;
+    out->s = sqrt(fmax(0, 1 - length / 2));
     out->a = to_light[2] - to_eye[2];
     out->l_dot_h = length / 2;
     return 1;
@@ -58,12 +56,42 @@ static int cell(double x, int last, double *fraction)
     return i;
 }
 
-table_footprint table_filter(double u, double v, int width, int height)
+table_footprint table_filter(const table_asset *t, double one_less_n_dot_h, double s)
 {
-    double x, y;
-    int i = cell(u, width - 1, &x), j = cell(v, height - 1, &y);
-    table_footprint at = {j * width + i, {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y}};
+    double u = log2(one_less_n_dot_h / t->eps + 1) / log2(1 / t->eps + 1), v = s + t->rows * (s * s - s), x, y;
+    int i = cell(u, t->width - 1, &x), j = cell(v, t->height - 1, &y);
+    table_footprint at = {j * t->width + i, {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y}};
     return at;
+}
+
+/* sqrt(1 - l.h) of a row, by Newton's method on its curve. */
+static double row_to_s(const table_asset *t, double v)
+{
+    double s = v;
+    for (int i = 0; i < 8; i++)
+        s -= (s + t->rows * (s * s - s) - v) / fmax(1 + t->rows * (2 * s - 1), 0.05);
+    return fmin(fmax(s, 0), 1);
+}
+
+/* |a| = 2 sin sin |cos phi_d| of theta_h and theta_d, and at most 2 cos cos where both directions are above the horizon. */
+double table_reach(const table_asset *t, int column, int row)
+{
+    double reach[2];
+    for (int side = 0; side < 2; side++) {
+        double u = fmin(fmax((column + (side ? 1.0 : -1.0)) / (t->width - 1), 0), 1);
+        double v = fmin(fmax((row + (side ? 1.0 : -1.0)) / (t->height - 1), 0), 1);
+        double s = row_to_s(t, v), half = 1 - t->eps * (exp2(u * log2(1 / t->eps + 1)) - 1), difference = 1 - s * s;
+        reach[side] = side ? 2 * sqrt(fmax(0, 1 - half * half) * fmax(0, 1 - difference * difference))
+                           : 2 * half * difference;
+    }
+    return fmin(fmin(reach[0], reach[1]), 1);
+}
+
+void table_bases(double a, double basis[TABLE_BASES])
+{
+    basis[0] = a * a;
+    basis[1] = fabs(a);
+    basis[2] = basis[0] * basis[0];
 }
 
 /* root^(p/2.4); the default p = 4.8, stored as the nearest 2^-16, is taken as what it stands for. */
@@ -107,21 +135,24 @@ static int not_finite(const double to_light[3], const double to_eye[3], const br
 
 /* Append the sample of one pair of directions; nothing where the table or b defines nothing. */
 static int add(table_samples *s, const brdf *b, const table_asset *t, const double to_light[3], const double to_eye[3],
-               double weight, failure *f)
+               int frame, double weight, failure *f)
 {
+    const double most = t->layers == 2 ? TABLE_MAX_ROOTED_TWO : TABLE_MAX_ROOTED;
     table_point point;
     double f_r[3];
-    if (!table_locate(&point, t->eps, to_light, to_eye)) return FAIL_NONE;
+    if (!table_locate(&point, to_light, to_eye)) return FAIL_NONE;
     if (!b->eval(b, to_light, to_eye, f_r)) return FAIL_NONE;
     table_sample *out = &s->sample[s->count];
-    out->at = table_filter(point.u, point.v, t->width, t->height);
-    out->basis[0] = point.a * point.a;
-    out->basis[1] = fabs(point.a);
+    out->at = table_filter(t, point.t, point.s);
+    out->t = point.t;
+    out->s = point.s;
+    table_bases(point.a, out->basis);
     out->factor24 = pow(to_light[2] / point.l_dot_h, 1 / 2.4);
+    out->frame = frame;
     out->weight = weight;
     for (int k = 0; k < 3; k++) {
         if (!isfinite(f_r[k])) return not_finite(to_light, to_eye, b, f);
-        double rooted = fmin(fmax(PI * t->e * f_r[k] * point.l_dot_h, 0), TABLE_MAX_ROOTED);
+        double rooted = fmin(fmax(PI * t->e * f_r[k] * point.l_dot_h, 0), most);
         out->root[k] = pow(rooted, 1 / t->p);
         out->display[k] = table_show(out, t->p, out->root[k], &out->slope[k]);
     }
@@ -129,14 +160,15 @@ static int add(table_samples *s, const brdf *b, const table_asset *t, const doub
     return FAIL_NONE;
 }
 
-static int add_frame(table_samples *s, const brdf *b, const table_asset *t, double phi_deg, double weight, failure *f)
+static int add_frame(table_samples *s, const brdf *b, const table_asset *t, int frame, double phi_deg, double weight,
+                     failure *f)
 {
     for (int j = 0; j < SPHERE_SIZE / 2; j++) /* the lower half mirrors the upper */
         for (int i = 0; i < SPHERE_SIZE; i++) {
             double normal[3], to_light[3], to_eye[3];
             if (!metric_normal(i, j, SPHERE_SIZE, normal)) continue;
             metric_local(normal, phi_deg, to_light, to_eye);
-            int code = add(s, b, t, to_light, to_eye, weight, f);
+            int code = add(s, b, t, to_light, to_eye, frame, weight, f);
             if (code) return code;
         }
     return FAIL_NONE;
@@ -152,7 +184,7 @@ static int add_grid(table_samples *s, const brdf *b, const table_asset *t, failu
                 double cosine = 1 - t->eps * (exp2(span * (i + 0.5) / GRID_U) - 1);
                 half_to_directions(acos(fmin(fmax(cosine, 0), 1)), PI / 2 * (j + 0.5) / GRID_THETA,
                                    PI / 2 * k / (GRID_PHI - 1), to_light, to_eye);
-                int code = add(s, b, t, to_light, to_eye, GRID_WEIGHT, f);
+                int code = add(s, b, t, to_light, to_eye, -1, GRID_WEIGHT, f);
                 if (code) return code;
             }
     return FAIL_NONE;
@@ -163,9 +195,9 @@ int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, 
     size_t most =
         (size_t)(SPHERE_SIZE * SPHERE_SIZE / 2) * (1 + COARSE_FRAMES + FINE_FRAMES) + GRID_U * GRID_THETA * GRID_PHI;
     table_samples s = {need_memory(most, sizeof *s.sample), 0};
-    int code = add_frame(&s, b, t, 0, EYE_WEIGHT, f);
-    for (int k = 0; k < COARSE_FRAMES && !code; k++) code = add_frame(&s, b, t, COARSE_FIRST + COARSE_STEP * k, 1, f);
-    for (int k = 0; k < FINE_FRAMES && !code; k++) code = add_frame(&s, b, t, FINE_FIRST + FINE_STEP * k, 1, f);
+    int code = add_frame(&s, b, t, 0, 0, EYE_WEIGHT, f);
+    for (int k = 0; k < COARSE_FRAMES && !code; k++) code = add_frame(&s, b, t, 1 + k, COARSE_FIRST + COARSE_STEP * k, 1, f);
+    for (int k = 0; k < FINE_FRAMES && !code; k++) code = add_frame(&s, b, t, 1 + COARSE_FRAMES + k, FINE_FIRST + FINE_STEP * k, 1, f);
     if (!code) code = add_grid(&s, b, t, f);
     if (!code && !s.count)
         code =
@@ -176,6 +208,11 @@ int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, 
     }
     *out = s;
     return FAIL_NONE;
+}
+
+void table_samples_place(table_samples *s, const table_asset *t)
+{
+    for (size_t i = 0; i < s->count; i++) s->sample[i].at = table_filter(t, s->sample[i].t, s->sample[i].s);
 }
 
 void table_samples_free(table_samples *s)

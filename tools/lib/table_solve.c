@@ -12,6 +12,20 @@
 #define UPDATE_LIMIT 1.5
 #define HALVINGS     6
 
+/* Every texel at the mean of the roots, without coefficients. */
+double *table_start(const table_model *m, const table_samples *s)
+{
+    int n = table_unknowns(m), texels = m->width * m->height;
+    double *x = need_memory((size_t)(texels * n), sizeof *x), sum[3] = {0}, weight = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        for (int k = 0; k < 3; k++) sum[k] += s->sample[i].weight * s->sample[i].root[k];
+        weight += s->sample[i].weight;
+    }
+    for (int t = 0; t < texels; t++)
+        for (int k = 0; k < 3; k++) x[t * n + k] = weight > 0 ? sum[k] / weight : 0;
+    return x;
+}
+
 void table_solve_closed(const table_model *m, const table_samples *s, const table_hold *hold, double *x)
 {
     table_problem p = table_problem_make(m, s, hold);
@@ -93,20 +107,27 @@ void table_solve_display(const table_model *m, const table_samples *s, const tab
     table_problem_free(&p);
 }
 
-/* Eigenvector of the largest eigenvalue of a symmetric positive 3 x 3 matrix: its high powers have nothing else left. */
-static void leading_eigenvector(double m[9], double out[3])
+/* Unit eigenvector of the largest eigenvalue of a symmetric positive 3 x 3 matrix: its high powers have nothing else
+   left. The eigenvalue's share is taken out of m. */
+static void take_leading_eigenvector(double m[9], double out[3])
 {
+    double high[9], value = 0, length = 0;
+    memcpy(high, m, sizeof high);
     for (int round = 0; round < 30; round++) {
-        double square[9] = {0}, trace = m[0] + m[4] + m[8];
+        double square[9] = {0}, trace = high[0] + high[4] + high[8];
         if (!(trace > 0)) break;
-        for (int i = 0; i < 27; i++) square[i / 9 * 3 + i % 3] += m[i / 9 * 3 + i / 3 % 3] * m[i / 3 % 3 * 3 + i % 3];
-        for (int i = 0; i < 9; i++) m[i] = square[i] / (trace * trace);
+        for (int i = 0; i < 27; i++)
+            square[i / 9 * 3 + i % 3] += high[i / 9 * 3 + i / 3 % 3] * high[i / 3 % 3 * 3 + i % 3];
+        for (int i = 0; i < 9; i++) high[i] = square[i] / (trace * trace);
     }
-    int widest = m[0] >= m[4] ? (m[0] >= m[8] ? 0 : 2) : (m[4] >= m[8] ? 1 : 2);
-    for (int k = 0; k < 3; k++) out[k] = m[3 * k + widest];
+    int widest = high[0] >= high[4] ? (high[0] >= high[8] ? 0 : 2) : (high[4] >= high[8] ? 1 : 2);
+    for (int k = 0; k < 3; k++) length += high[3 * k + widest] * high[3 * k + widest];
+    for (int k = 0; k < 3; k++) out[k] = length > 0 ? high[3 * k + widest] / sqrt(length) : 0;
+    for (int i = 0; i < 9; i++) value += out[i / 3] * m[i] * out[i % 3];
+    for (int i = 0; i < 9; i++) m[i] -= value * out[i / 3] * out[i % 3];
 }
 
-void table_weight_vector(const table_model *m, const table_samples *s, const double *x, double w[3])
+void table_weight_vectors(const table_model *m, const table_samples *s, const double *x, int count, double w[2][3])
 {
     table_hold none = {0, 0, 0};
     table_problem p = table_problem_make(m, s, &none);
@@ -122,10 +143,12 @@ void table_weight_vector(const table_model *m, const table_samples *s, const dou
     }
     for (int t = 0; t < p.texels; t++)
         for (int i = 0; i < 9; i++) sum[i] += weight[t] * x[t * p.n + 3 + i / 3] * x[t * p.n + 3 + i % 3];
-    leading_eigenvector(sum, w);
-    double most = fmax(fabs(w[0]), fmax(fabs(w[1]), fabs(w[2])));
-    double sign = w[0] + w[1] + w[2] < 0 ? -1 : 1;
-    for (int k = 0; k < 3; k++) w[k] = most > 0 ? sign * w[k] / most : 1;
+    for (int j = 0; j < count; j++) {
+        take_leading_eigenvector(sum, w[j]);
+        double most = fmax(fabs(w[j][0]), fmax(fabs(w[j][1]), fabs(w[j][2])));
+        double sign = w[j][0] + w[j][1] + w[j][2] < 0 ? -1 : 1;
+        for (int k = 0; k < 3; k++) w[j][k] = most > 0 ? sign * w[j][k] / most : k == j;
+    }
     free(weight);
     table_problem_free(&p);
 }
