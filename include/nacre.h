@@ -172,16 +172,16 @@ typedef struct nacre_view {
     nacre_mat4 object_to_view; /* rigid motion x scale (may be non-uniform, not 0) */
     nacre_mat4 view_to_clip;   /* as for GL; orthographic when row 3 is 0 0 0 1: the viewer is distant then */
     const nacre_light *lights; /* borrowed for the call */
-    uint16_t light_count;      /* 0..NACRE_MAX_LIGHTS; through a lit sphere 0..NACRE_MAX_LIT_LIGHTS; 0 draws ambient
-                                   alone */
-    uint8_t output;            /* nacre_output (sRGB) */
-    uint8_t distant_viewer;    /* (0) 1: one view direction per draw, towards the mesh's centre, also under a
+    uint16_t light_count;   /* 0..NACRE_MAX_LIT_LIGHTS: through a lit sphere, or directly by GLES, in passes where one
+                                   program can't hold them; 0..NACRE_MAX_LIGHTS directly on the CPU. 0: ambient alone */
+    uint8_t output;         /* nacre_output (sRGB) */
+    uint8_t distant_viewer; /* (0) 1: one view direction per draw, towards the mesh's centre, also under a
                                    perspective camera: cheaper; good for small or far objects. Point lights
                                    always use per-pixel directions */
-    nacre_q16 exposure;        /* (65536) multiplies radiance before encoding */
-    nacre_rgb ambient;         /* (0) irradiance from everywhere; adds albedo x ambient / pi, where albedo is
+    nacre_q16 exposure;     /* (65536) multiplies radiance before encoding */
+    nacre_rgb ambient;      /* (0) irradiance from everywhere; adds albedo x ambient / pi, where albedo is
                                    the hemispherical albedo stored in the asset */
-    nacre_rgb tint;            /* (1,1,1 when all are 0) multiplies reflected radiance; negative counts as 0 */
+    nacre_rgb tint;         /* (1,1,1 when all are 0) multiplies reflected radiance; negative counts as 0 */
 } nacre_view;
 
 typedef void (*nacre_log_fn)(void *user, nacre_result code, const char *message);

@@ -109,12 +109,12 @@ nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const na
    hold 4 lights of SBRDF and, with directions per pixel, 4 of a table, 2 of spheres, 1 of spheres with the cosine in the
    image) are drawn in passes
    through render targets of nacre's own, as large as the viewport (18 bytes a pixel, counted in texture_budget, kept
-   until the viewport changes). They hold linear sums at 15.7 bits a channel, up to 1 (NACRE_OUTPUT_LINEAR: 16), for the
+   until the viewport changes). They hold linear sums at 16 bits a channel, up to 1 (NACRE_OUTPUT_LINEAR: 16), for the
    nearest surface of the item at each pixel, by a depth buffer of their own (projections, and a glDepthRange, that let
    depth fall with distance are understood; an empty range is not). The last pass alone draws to the caller's
    framebuffer, with the caller's depth, stencil, blend and mask states. There is one sum a pixel: in a multisampled
    framebuffer, samples of pixels whose centre the item misses get ambient alone. prepare compiles the passes' programs,
-   up to seven.
+   up to four.
    No errors are read: NACRE_ERR_GL and LOST come only from compiling and from making targets. NACRE_ERR_ARGUMENT: the
    view is not valid, or the item is unknown, only bound, or waits for set_buffers. NACRE_ERR_UNSUPPORTED: not even one
    light fits, or the viewport is larger than textures may be. NACRE_ERR_BUDGET: the targets. NACRE_ERR_LOST also: known
@@ -178,7 +178,9 @@ typedef struct nacre_gles_lit_state {
 void nacre_gles_lit_get_state(const nacre_gles *gles, nacre_gles_lit lit, nacre_gles_lit_state *out);
 
 /* Draw and bind an item by a lit sphere, of any material (its own model is what direct shading falls back to); id 0: directly
-   again. With two, the material's mask (red) mixes their display codes; without a mask the second is ignored. */
+   again. With two, the material's mask (red) mixes their display codes; without a mask the second is ignored. Both
+   are looked up in the frame of the first: update them with one view. Direct shading knows no mask: it draws the item's
+   own material and writes alpha 1. */
 nacre_result nacre_gles_use_lit(nacre_gles *gles, nacre_gles_item item, nacre_gles_lit first, nacre_gles_lit second);
 
 /* For applications with a draw loop of their own: make the program current, bind the textures, set every uniform;

@@ -114,7 +114,7 @@ static const char *model_name(int m)
     return names[m];
 }
 
-/* 16 uniform vectors against as many as lets the driver take all lights in one pass. Bound 2: sums are kept to 2^-15.7, which
+/* 16 uniform vectors against as many as lets the driver take all lights in one pass. Bound 2: sums are kept to 16 bits, which
    is below 1/4 code beyond code 3, both ways round once, and texts for one pass may use another polynomial. Without mips:
    their level at a silhouette pixel hangs on values outside the triangle, which drivers don't repeat from program to
    program. 8 units allow 4 lights of spheres in one pass under a distant viewer. */
