@@ -48,6 +48,7 @@ probe() {
     command_in glslang-tools glslangValidator
     command_in etc1tool etc1tool
     command_in clang clang
+    file_in libomp-dev /usr/lib/llvm-*/lib/clang/*/include/omp.h /usr/lib/clang/*/include/omp.h
     command_in clang-format clang-format
     command_in cppcheck cppcheck
     command_in gcc-arm-none-eabi arm-none-eabi-gcc

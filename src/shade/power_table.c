@@ -2,6 +2,7 @@
 /* Made by tools/gen/power_table.c (make power-table). Entry i of the first is 2^24 log2(1 + i/256), of the
    second 2^31 2^(-i/256). */
 #include "shade.h"
+/* clang-format off */
 
 const uint32_t shade_log2_table[257] = {
     0, 94364, 188362, 281996, 375270, 468185, 560745, 652952, 744810, 836320,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* power_table: the tables of src/shade/power.c on standard output. `make src/shade/power_table.c` runs it. */
+/* power_table: the tables of src/shade/power.c on standard output. `make power-table` runs it. */
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -26,7 +26,8 @@ int main(void)
         "/* SPDX-License-Identifier: MIT */\n"
         "/* Made by tools/gen/power_table.c (make power-table). Entry i of the first is 2^24 log2(1 + i/256), of the\n"
         "   second 2^31 2^(-i/256). */\n"
-        "#include \"shade.h\"\n");
+        "#include \"shade.h\"\n"
+        "/* clang-format off */\n");
     print("shade_log2_table", logarithm);
     print("shade_exp2_table", root);
     return ferror(stdout) || fflush(stdout) ? 1 : 0;
