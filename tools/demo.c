@@ -13,6 +13,8 @@
 
 #include "light_bake.h"
 #include "png_io.h"
+#include "sbrdf_demo.h"
+#include "sbrdf_paint.h"
 #include "scene.h"
 #include "sheet.h"
 #include "sphere_bake.h"
@@ -445,6 +447,123 @@ static void paper_figures(studio *st, const mesh *sphere)
     sphere_free(&spheres[1]);
 }
 
+/* ---- materials that vary, after McAllister et al. 2002 -------------------------------------------------------- */
+
+/* Paint one of the built-in paintings; DIRECTORY/assets/NAME-albedo.ktx2 and NAME-lobes.ktx2. */
+static sbrdf_map bake_painting(const studio *st, int index)
+{
+    char path[1000];
+    sbrdf_field level;
+    sbrdf_sources sources = {0};
+    sbrdf_clamped clamped;
+    sbrdf_quantised report;
+    sbrdf_map map;
+    bytes file[2] = {{0}};
+    failure f = {0};
+    int i;
+
+    snprintf(path, sizeof path, "%s/assets", st->directory);
+    need(sbrdf_demo_write(index, path, &f), &f);
+    snprintf(path, sizeof path, "%s/assets/%s.txt", st->directory, sbrdf_demo_name(index));
+    need(sbrdf_paint(&level, path, &sources, NULL, &f), &f);
+    sbrdf_sources_free(&sources);
+    need(sbrdf_field_settle(&level, 1, &clamped, path, &f), &f);
+    sbrdf_quantise(&level, 1, sbrdf_demo_name(index), &map, &report); /* pictures show texels larger than life */
+    sbrdf_field_free(&level);
+    sbrdf_map_write(&map, &file[0], &file[1]);
+    for (i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "%s/assets/%s-%s.ktx2", st->directory, sbrdf_demo_name(index),
+                 i ? "lobes" : "albedo");
+        write_asset(path, &file[i]);
+    }
+    return map;
+}
+
+/* Three channels of a map's codes from the given one on, or one of them as grey. */
+static image_u8 codes_picture(const sbrdf_map *m, const uint8_t *codes, int channel)
+{
+    image_u8 picture = image_u8_make(m->width, m->height, 4);
+    size_t i, count = (size_t)m->width * (size_t)m->height;
+
+    for (i = 0; i < 4 * count; i++)
+        picture.texel[i] = i % 4 == 3 ? 255 : codes[channel < 0 ? i : i - i % 4 + (size_t)channel];
+    return picture;
+}
+
+static void sbrdf_figure_1(studio *st, const sbrdf_map *m)
+{
+    static const char *const heads[] = {"diffuse albedo", "lobe albedo", "lobe shape Cx Cy Cz", "exponent"};
+    const sheet_layout layout = {.title = "Parameter maps of twelve materials in one: every texel a BRDF",
+                                 .columns = 4,
+                                 .rows = 1,
+                                 .cell_width = SBRDF_DEMO_SIDE,
+                                 .cell_height = SBRDF_DEMO_SIDE,
+                                 .has_heads = 1};
+    sheet sh = sheet_begin(&layout);
+    const size_t layer = 4 * (size_t)m->width * (size_t)m->height;
+    int i;
+
+    place(&sh, 0, 0, codes_picture(m, m->albedo[0], -1));
+    place(&sh, 1, 0, codes_picture(m, m->lobe[0], -1));
+    place(&sh, 2, 0, codes_picture(m, m->lobe[0] + layer, -1));
+    place(&sh, 3, 0, codes_picture(m, m->lobe[0] + layer, 3));
+    for (i = 0; i < 4; i++) sheet_head(&sh, i, heads[i]);
+    save(st, &sh, "paper000-figure1.png");
+}
+
+static void open_painting(const studio *st, scene_material *m, const char *name)
+{
+    char text[2200];
+    failure f = {0};
+
+    snprintf(text, sizeof text, "albedo=%s/assets/%s-albedo.ktx2,lobes=%s/assets/%s-lobes.ktx2", st->directory, name,
+             st->directory, name);
+    need(scene_material_open(m, text, st->backend == BACKEND_DOUBLE, &f), &f);
+}
+
+static void sbrdf_figures(studio *st)
+{
+    static const char *const shapes[] = {"sphere", "sphere", "torus"};
+    static const char *const labels[] = {"sphere", "turned by\n30 degrees", "torus,\nfour lights"};
+    const sheet_layout layout = {.title = "Materials that vary over the surface: Lafortune lobes per texel, 8-bit maps",
+                                 .columns = SBRDF_DEMO_COUNT,
+                                 .rows = COUNT(shapes),
+                                 .cell_width = 224,
+                                 .cell_height = 224,
+                                 .row_label_width = 150,
+                                 .has_heads = 1};
+    sheet sh = sheet_begin(&layout);
+    failure f = {0};
+    int i, row;
+
+    studio_size(st, layout.cell_width, layout.cell_height);
+    for (i = 0; i < SBRDF_DEMO_COUNT; i++) {
+        const char *const name = sbrdf_demo_name(i);
+        sbrdf_map map = bake_painting(st, i);
+        scene_material m;
+        if (!strcmp(name, "composite")) sbrdf_figure_1(st, &map);
+        sbrdf_map_free(&map);
+        open_painting(st, &m, name);
+        for (row = 0; row < COUNT(shapes); row++) {
+            const scene_camera camera = {.yaw_deg = row == 1 ? 30 : 0, .pitch_deg = row == 2 ? 35 : 12};
+            mesh shape;
+            scene s;
+            need(mesh_open(&shape, shapes[row], &f), &f);
+            s = empty_scene(st, &shape, &camera, 1.4);
+            if (row < 2)
+                key_light(&s);
+            else
+                four_lights(&s);
+            place(&sh, i, row, draw(st, &s, &m));
+            mesh_free(&shape);
+        }
+        sheet_head(&sh, i, name);
+        scene_material_close(&m);
+    }
+    for (row = 0; row < COUNT(labels); row++) sheet_row_label(&sh, row, labels[row]);
+    save(st, &sh, "paper000-figure5.png");
+}
+
 /* ---- the program ------------------------------------------------------------------------------------------------- */
 
 static void make_directory(const char *directory)
@@ -498,6 +617,7 @@ int main(int argc, char **argv)
         object_sheet(&st, "torus", &above, 256, "Six materials on the torus", "torus.png");
     if (access(studio_map, R_OK) == 0) environment_sheet(&st, studio_map, &above);
     paper_figures(&st, &sphere);
+    sbrdf_figures(&st);
     scene_gles_close(st.gles);
     mesh_free(&sphere);
     return 0;
