@@ -187,7 +187,8 @@ static void roots(const shade_table_persp *t, const eval_surface *n, const halfw
     const int32_t dx = n->x - m->h.x, dy = n->y - m->h.y, dz = n->z - m->h.z;
     const uint32_t distance = (uint32_t)(dx * dx) + (uint32_t)(dy * dy) + (uint32_t)(dz * dz) + (uint32_t)t->two_eps;
     const int32_t u = eval_least(((eval_log2(distance >> 7) - t->log_middle) * t->scale >> 8) + t->at_middle, t->last);
-    const int32_t v = ((m->s * 32768 + t->rows_q15 * (m->away - m->s)) >> 15) * (t->height - 1), row = eval_least(v >> 15, t->height - 1);
+    const int32_t v = ((m->s * 32768 + t->rows_q15 * (m->away - m->s)) >> 15) * (t->height - 1),
+                  row = eval_least(v >> 15, t->height - 1);
     const int32_t limit = eval_least(2 * m->l_dot_h, 16383), size = eval_least(a < 0 ? -a : a, limit);
     const int32_t square = size * size >> 13; /* q15 */
     int32_t base[4], curve[4];
@@ -200,9 +201,11 @@ static void roots(const shade_table_persp *t, const eval_surface *n, const halfw
         const int64_t fourth = ((curve[3] - 16320) * (square * square >> 15) >> 15) * (int64_t)t->k4_q12;
 
         for (i = 0; i < 3; i++) {
-            const int64_t bend = (int64_t)(curve[0] - 16320) * t->phi_q12[i] + (int64_t)(curve[1] - 16320) * t->v_q12[i];
+            const int64_t bend =
+                (int64_t)(curve[0] - 16320) * t->phi_q12[i] + (int64_t)(curve[1] - 16320) * t->v_q12[i];
 
-            out[i] = base[i] + (int32_t)((base[3] * (int64_t)t->d_q12[i] + (bend * square >> 15) + linear + fourth) >> 12);
+            out[i] =
+                base[i] + (int32_t)((base[3] * (int64_t)t->d_q12[i] + (bend * square >> 15) + linear + fourth) >> 12);
         }
     } else if (t->fine) {
         for (i = 0; i < 3; i++)

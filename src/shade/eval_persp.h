@@ -29,9 +29,9 @@ typedef struct shade_table_persp {
     int32_t two_eps;                     /* q28 */
     int32_t log_middle, at_middle, last; /* as in shade_table_eval */
     int16_t scale;
-    int32_t phi_q12[3]; /* W; early fine tier: K1, K2 */
+    int32_t phi_q12[3];                         /* W; early fine tier: K1, K2 */
     int32_t d_q12[3], v_q12[3], k2_q12, k4_q12; /* fine */
-    int32_t rows_q15;   /* B of the row curve */
+    int32_t rows_q15;                           /* B of the row curve */
     uint16_t width, height;
     int32_t p_q12;
     uint8_t fine, early;

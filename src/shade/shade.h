@@ -16,17 +16,17 @@
 
 /* Decoded keys of a table file (nacre_asset.h, NACRE_KEY_TABLE). */
 typedef struct shade_table {
-    nacre_q16 e;      /* > 0 */
-    nacre_q16 ymax;   /* > 0 */
-    nacre_q16 w[3];   /* one layer: all 0: no phi_d term */
-    nacre_q16 p;      /* 4.8 or 4 */
-    nacre_q16 eps;    /* > 0 */
-    nacre_q16 k1;     /* two layers, early */
-    nacre_q16 k2;     /* two layers */
-    nacre_q16 rows;   /* B of the row curve, -1..1 */
-    nacre_q16 d[3];   /* two layers: 0..6.5 */
-    nacre_q16 v[3];   /* two layers */
-    nacre_q16 k4;     /* two layers */
+    nacre_q16 e;    /* > 0 */
+    nacre_q16 ymax; /* > 0 */
+    nacre_q16 w[3]; /* one layer: all 0: no phi_d term */
+    nacre_q16 p;    /* 4.8 or 4 */
+    nacre_q16 eps;  /* > 0 */
+    nacre_q16 k1;   /* two layers, early */
+    nacre_q16 k2;   /* two layers */
+    nacre_q16 rows; /* B of the row curve, -1..1 */
+    nacre_q16 d[3]; /* two layers: 0..6.5 */
+    nacre_q16 v[3]; /* two layers */
+    nacre_q16 k4;   /* two layers */
     uint16_t width, height;
 } shade_table;
 
@@ -149,9 +149,9 @@ typedef struct shade_light {
 typedef struct shade_table_draw {
     fx_real scale, bias; /* u' = scale log2(|n - h|^2 + 2 eps) + bias */
     fx_real two_eps, root_two_eps;
-    nacre_q16 phi_q16[3]; /* W; early fine tier: K1, K2, 0 */
+    nacre_q16 phi_q16[3];                         /* W; early fine tier: K1, K2, 0 */
     nacre_q16 d_q16[3], v_q16[3], k2_q16, k4_q16; /* fine tier */
-    int32_t row_q28[3];   /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
+    int32_t row_q28[3];                           /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
 } shade_table_draw;
 
 /* Constant over a draw: spheres, persp. The layers are spread over the file's when it has more than units. */

@@ -212,7 +212,8 @@ EVAL_INLINE void roots(const shade_table_eval *e, const constants *c, lanes xy, 
         lanes linear = _mm256_srai_epi32(product(shared, _mm256_slli_epi32(size, 1)), 15), t[4];
 
         transpose(e->columns + 4, _mm256_slli_epi32(column, 3), t);
-        linear = _mm256_add_epi32(linear, _mm256_srai_epi32(_mm256_mullo_epi32(_mm256_srai_epi32(between(t[3], f), 15), fourth), 15));
+        linear = _mm256_add_epi32(
+            linear, _mm256_srai_epi32(_mm256_mullo_epi32(_mm256_srai_epi32(between(t[3], f), 15), fourth), 15));
         for (i = 0; i < 3; i++)
             root[i] = clip_root(_mm256_add_epi32(
                 _mm256_add_epi32(between(w[i], f), product(_mm256_srai_epi32(between(t[i], f), 15), bent)),

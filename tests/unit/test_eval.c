@@ -202,9 +202,11 @@ static void compare(case_model model, const char *name, double polar_deg, double
     case_asset_close(&a);
     /* lights behind spheres: normals past the rim are held to it along x, in double along the radius */
     /* the fine tier keeps values up to 8 in the bits in which others keep 1 */
-    assert_true(of_sum.mean / of_sum.count < (model == CASE_FINE ? 0.35 : 0.30) && of_sum.beyond <= 0.003 * of_sum.count);
+    assert_true(of_sum.mean / of_sum.count < (model == CASE_FINE ? 0.35 : 0.30) &&
+                of_sum.beyond <= 0.003 * of_sum.count);
     if (a.material.model == NACRE_MODEL_TABLE || polar_deg < 90) assert_true(of_sum.worst < worst);
-    if (d.has_code) assert_true(of_code.mean / of_code.count < (model == CASE_FINE ? 0.35 : 0.30) && of_code.worst < worst);
+    if (d.has_code)
+        assert_true(of_code.mean / of_code.count < (model == CASE_FINE ? 0.35 : 0.30) && of_code.worst < worst);
 }
 
 static const double power[3] = {2.2, 2, 1.4}, bright[3] = {9, 7, 12};
@@ -219,7 +221,7 @@ static void tables(void **state)
     (void)state;
     for (i = 0; i < sizeof names / sizeof *names; i++)
         for (k = 0; k < sizeof polar / sizeof *polar; k++) {
-            compare(CASE_TABLE, names[i], polar[k], 40, k & 1 ? bright : power, 1.25);
+            compare(CASE_TABLE, names[i], polar[k], 40, k & 1 ? bright : power, 1.5);
             compare(CASE_FINE, names[i], polar[k], 100, power, 1.5);
         }
     compare(CASE_TABLE_P4, names[0], 35, 40, power, 1.25);

@@ -161,8 +161,10 @@ static void expected_radiance(const table_asset *t, double th, double td, double
         double y = sample_gles(t, 0, u, v, k), alpha = sample_gles(t, 0, u, v, 3) - 0.5;
         if (t->layout == TABLE_TWO_LAYERS) {
             y += sample_gles(t, 0, u, v, 3) * t->d[k];
-            y += (sample_gles(t, 1, u, v, 0) - 0.5) * a * a * t->w[k] + (sample_gles(t, 1, u, v, 1) - 0.5) * a * a * t->v[k];
-            y += (sample_gles(t, 1, u, v, 2) - 0.5) * fabs(a) * t->k2 + (sample_gles(t, 1, u, v, 3) - 0.5) * pow(a, 4) * t->k4;
+            y += (sample_gles(t, 1, u, v, 0) - 0.5) * a * a * t->w[k] +
+                 (sample_gles(t, 1, u, v, 1) - 0.5) * a * a * t->v[k];
+            y += (sample_gles(t, 1, u, v, 2) - 0.5) * fabs(a) * t->k2 +
+                 (sample_gles(t, 1, u, v, 3) - 0.5) * pow(a, 4) * t->k4;
         } else if (t->layout == TABLE_TWO_LAYERS_EARLY)
             y += (sample_gles(t, 1, u, v, k) - 0.5) * a * a * t->k1 + alpha * fabs(a) * t->k2;
         else
@@ -585,7 +587,15 @@ static void unreadable_files(void **state)
         {"found B 1.5", "table", "root", NACRE_FORMAT_RGBA8, 8, 8, 0, 10, {1, 1, 0, 0, 0, 4.8, 1 / 256.0, 0, 0, 1.5}},
         {"9 or 17 q16", "table", "root", NACRE_FORMAT_RGBA8, 8, 8, 2, 10, GOOD},
         {"9 or 10 q16", "table", "root", NACRE_FORMAT_RGBA8, 8, 8, 0, 17, GOOD},
-        {"found D.g 7", "table", "root", NACRE_FORMAT_RGBA8, 8, 8, 2, 17, {1, 1, 0, 0, 0, 4.8, 1 / 256.0, 0, 0, 0, 1, 7}},
+        {"found D.g 7",
+         "table",
+         "root",
+         NACRE_FORMAT_RGBA8,
+         8,
+         8,
+         2,
+         17,
+         {1, 1, 0, 0, 0, 4.8, 1 / 256.0, 0, 0, 0, 1, 7}},
         {"found K4 -1",
          "table",
          "root",

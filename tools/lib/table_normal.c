@@ -9,31 +9,32 @@
 
 #define MAX_N         TABLE_MAX_UNKNOWNS
 #define CG_TOLERANCE  1e-5
+#define CG_FINE       1e-3 /* with many unknowns per texel, where the rest is below the codes */
 #define CG_ITERATIONS 250
 
 /* call, with n a constant for the compiler: the inner loops are short. */
-#define FOR_CONSTANT_N(count, call)  \
-    switch (count) {                 \
-    case 3: {                        \
-        enum { n = 3 };              \
-        call;                        \
-        break;                       \
-    }                                \
-    case 4: {                        \
-        enum { n = 4 };              \
-        call;                        \
-        break;                       \
-    }                                \
-    case 7: {                        \
-        enum { n = 7 };              \
-        call;                        \
-        break;                       \
-    }                                \
-    default: {                       \
-        const int n = (count);       \
-        call;                        \
-        break;                       \
-    }                                \
+#define FOR_CONSTANT_N(count, call)                                                                                    \
+    switch (count) {                                                                                                   \
+    case 3: {                                                                                                          \
+        enum { n = 3 };                                                                                                \
+        call;                                                                                                          \
+        break;                                                                                                         \
+    }                                                                                                                  \
+    case 4: {                                                                                                          \
+        enum { n = 4 };                                                                                                \
+        call;                                                                                                          \
+        break;                                                                                                         \
+    }                                                                                                                  \
+    case 7: {                                                                                                          \
+        enum { n = 7 };                                                                                                \
+        call;                                                                                                          \
+        break;                                                                                                         \
+    }                                                                                                                  \
+    default: {                                                                                                         \
+        const int n = (count);                                                                                         \
+        call;                                                                                                          \
+        break;                                                                                                         \
+    }                                                                                                                  \
     }
 
 table_problem table_problem_make(const table_model *m, const table_samples *s, const table_hold *hold)
@@ -85,7 +86,8 @@ static void share(const table_model *m, const table_sample *s, const double slop
 {
     int n = table_unknowns(m);
     for (int k = 0; k < 3; k++) {
-        double weight = s->weight * slope[k] * slope[k], pull = s->weight * slope[k] * residual[k], term[TABLE_MAX_COEFFICIENTS];
+        double weight = s->weight * slope[k] * slope[k], pull = s->weight * slope[k] * residual[k],
+               term[TABLE_MAX_COEFFICIENTS];
         for (int j = 0; j < m->coefficients; j++) term[j] = s->basis[m->coefficient[j].kind] * m->coefficient[j].g[k];
         vector[k] += pull;
         matrix[k * (n + 1)] = weight;
@@ -283,7 +285,7 @@ void table_solve(table_problem *p, const double *x, double *dx)
     memset(dx, 0, size * sizeof *dx);
     apply_inverse(p, r, z);
     memcpy(d, z, size * sizeof *d);
-    double rz = dot(r, z, count), stop = CG_TOLERANCE * CG_TOLERANCE * rz;
+    double rz = dot(r, z, count), tolerance = p->n > 4 ? CG_FINE : CG_TOLERANCE, stop = tolerance * tolerance * rz;
     for (int iteration = 0; iteration < CG_ITERATIONS && rz > stop; iteration++) {
         table_apply(p, d, q);
         double alpha = rz / dot(d, q, count);

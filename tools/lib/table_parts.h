@@ -42,8 +42,8 @@ void table_bases(double a, double basis[TABLE_BASES]);
 
 typedef struct table_sample {
     table_footprint at;
-    double t, s;       /* of table_point */
-    int frame;         /* 0..TABLE_FRAMES - 1, or -1 */
+    double t, s; /* of table_point */
+    int frame;   /* 0..TABLE_FRAMES - 1, or -1 */
     double basis[TABLE_BASES];
     double factor24;   /* (n.l / l.h)^(1/2.4): radiance^(1/2.4) = factor24 x root^(p/2.4) */
     double root[3];    /* of pi E f_r l.h, the value to store, at most TABLE_MAX_ROOTED^(1/p) */

@@ -71,7 +71,8 @@ static int positive(const table_asset *t, int texel)
     for (int k = 0; k < 3; k++) {
         double base = value_of(t, texel, k) / ymax, square = c[0] * t->w[k] + c[1] * t->v[k], linear = c[2] * t->k2,
                fourth = c[3] * t->k4;
-        if (base + reach * (fmin(linear, 0) + reach * (fmin(square, 0) + reach * reach * fmin(fourth, 0))) >= 0) continue;
+        if (base + reach * (fmin(linear, 0) + reach * (fmin(square, 0) + reach * reach * fmin(fourth, 0))) >= 0)
+            continue;
         for (int i = 0; i <= 64; i++) {
             double a = reach * i / 64;
             if (base + a * (linear + a * (square + a * a * fourth)) < 0) return 0;
@@ -172,7 +173,8 @@ double table_round(table_asset *t, const table_problem *p, const double *x)
     size_t count = (size_t)(p->texels * p->n);
     double *z = need_memory(2 * count, sizeof *z);
     for (int i = 0; i < p->texels; i++) {
-        for (int c = 3; c < 4 * t->layers; c++) *(c < 4 ? t->rgba + 4 * i + c : t->rgba + 4 * (p->texels + i) + c - 4) = 128;
+        for (int c = 3; c < 4 * t->layers; c++)
+            *(c < 4 ? t->rgba + 4 * i + c : t->rgba + 4 * (p->texels + i) + c - 4) = 128;
         round_texel(t, p, i, x + i * p->n);
     }
     double error = settle(p, t, x, z, z + count);

@@ -68,8 +68,7 @@ table_footprint table_filter(const table_asset *t, double one_less_n_dot_h, doub
 static double row_to_s(const table_asset *t, double v)
 {
     double s = v;
-    for (int i = 0; i < 8; i++)
-        s -= (s + t->rows * (s * s - s) - v) / fmax(1 + t->rows * (2 * s - 1), 0.05);
+    for (int i = 0; i < 8; i++) s -= (s + t->rows * (s * s - s) - v) / fmax(1 + t->rows * (2 * s - 1), 0.05);
     return fmin(fmax(s, 0), 1);
 }
 
@@ -81,8 +80,8 @@ double table_reach(const table_asset *t, int column, int row)
         double u = fmin(fmax((column + (side ? 1.0 : -1.0)) / (t->width - 1), 0), 1);
         double v = fmin(fmax((row + (side ? 1.0 : -1.0)) / (t->height - 1), 0), 1);
         double s = row_to_s(t, v), half = 1 - t->eps * (exp2(u * log2(1 / t->eps + 1)) - 1), difference = 1 - s * s;
-        reach[side] = side ? 2 * sqrt(fmax(0, 1 - half * half) * fmax(0, 1 - difference * difference))
-                           : 2 * half * difference;
+        reach[side] =
+            side ? 2 * sqrt(fmax(0, 1 - half * half) * fmax(0, 1 - difference * difference)) : 2 * half * difference;
     }
     return fmin(fmin(reach[0], reach[1]), 1);
 }
@@ -196,8 +195,10 @@ int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, 
         (size_t)(SPHERE_SIZE * SPHERE_SIZE / 2) * (1 + COARSE_FRAMES + FINE_FRAMES) + GRID_U * GRID_THETA * GRID_PHI;
     table_samples s = {need_memory(most, sizeof *s.sample), 0};
     int code = add_frame(&s, b, t, 0, 0, EYE_WEIGHT, f);
-    for (int k = 0; k < COARSE_FRAMES && !code; k++) code = add_frame(&s, b, t, 1 + k, COARSE_FIRST + COARSE_STEP * k, 1, f);
-    for (int k = 0; k < FINE_FRAMES && !code; k++) code = add_frame(&s, b, t, 1 + COARSE_FRAMES + k, FINE_FIRST + FINE_STEP * k, 1, f);
+    for (int k = 0; k < COARSE_FRAMES && !code; k++)
+        code = add_frame(&s, b, t, 1 + k, COARSE_FIRST + COARSE_STEP * k, 1, f);
+    for (int k = 0; k < FINE_FRAMES && !code; k++)
+        code = add_frame(&s, b, t, 1 + COARSE_FRAMES + k, FINE_FIRST + FINE_STEP * k, 1, f);
     if (!code) code = add_grid(&s, b, t, f);
     if (!code && !s.count)
         code =
