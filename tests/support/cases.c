@@ -31,9 +31,9 @@
  */
 static const compare_bound toe = {-5, 4, 0, 0}, sum = {-4, 4, 0, 0}, root = {-3, 3, 0, 0}, light = {-4, 4, .003, 0};
 static const compare_bound rim = {-4, 4, .003, 0}, mip = {-4, 4, .02, 0}, bump = {-6, 5, 0, 0};
-static const compare_bound lit_256 = {-4, 4, .002, 0}, half_lit = {-5, 5, .002, 0},
-                           lit_fine = {-4, 4, .0025, 0}, /* peaks fourteen stops above white, narrower than a texel */
-    mesh_lit = {-6, 6, .005, .003};
+static const compare_bound lit_256 = {-4, 4, .002, 0}, half_lit = {-5, 5, .002, 0}, mesh_lit = {-6, 6, .005, .003};
+/* The fine tier keeps peaks up to fourteen stops above white, narrower than the texels of a lit sphere. */
+static const compare_bound lit_fine = {-4, 4, .0025, 0};
 static const compare_bound lit_bump = {-7, 7, .015, 0};
 static const compare_bound mesh_toe = {-5, 4, .004, .003}, mesh_sum = {-4, 4, .02, .003};
 static const compare_bound half = {-7, 6, .001, 0}, half_rim = {-7, 6, .004, 0}, mesh_half = {-7, 6, .008, .003};
