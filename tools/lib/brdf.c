@@ -49,8 +49,7 @@ int brdf_open_image(brdf **out, const nacre_image *image, const char *path, fail
         if (code) return code;
         *out = sphere_brdf(&spheres, NULL);
         snprintf((*out)->description, sizeof(*out)->description, "%d sphere images %d x %d (%s), of %.180s",
-                 spheres.layers, spheres.size, spheres.size,
-                 sphere_mode_names[spheres.mode], spheres.name);
+                 spheres.layers, spheres.size, spheres.size, sphere_mode_names[spheres.mode], spheres.name);
         sphere_free(&spheres);
         return 0;
     }
