@@ -69,7 +69,9 @@ int shade_table_has_code(const shade_table_eval *eval);
 /* One light on spheres without the cosine in them; bilinear texels of level 0. */
 typedef struct shade_spheres_eval {
     const uint8_t *image[2];       /* the pair of layers */
-    int16_t x[2][3], y[3], rim[3]; /* rows: texture coordinate - 1/2 of a q14 normal, q15 */
+    int16_t x[2][3], y[3], rim[3]; /* rows: texture coordinate - 1/2 of a q14 normal, q15; quarters: x[0] and y, the
+                                      axes themselves */
+    int32_t texels_per_log2;       /* quarters: texels an octave of 8 |x| + 1, q9 from q12; 0: whole spheres */
     uint32_t to_light_xy;
     int16_t to_light_z;
     int16_t weight;      /* of image[1], q15 */

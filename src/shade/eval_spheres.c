@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Sphere images without the cosine, per unit normal (shaders_gles/spheres.glsl): bilinear, level 0. */
+/* Sphere images without the cosine, whole or quarters, per unit normal (shaders_gles/spheres.glsl): bilinear, level 0. */
 #include "eval_inner.h"
 
 #include <string.h>
 
-#define CODE_LOG2_Q16 740 /* log2(32768 / 32640) twice, as texels of 255 are 32640 here */
+#define LOG2_9_Q28    850920263 /* log2(9) */
+#define CODE_LOG2_Q16 740       /* log2(32768 / 32640) twice, as texels of 255 are 32640 here */
 
 static void to_q15(int16_t out[3], const int32_t row_q28[3], int sign)
 {
@@ -13,25 +14,49 @@ static void to_q15(int16_t out[3], const int32_t row_q28[3], int sign)
     for (i = 0; i < 3; i++) out[i] = (int16_t)(sign * (int32_t)fx_shift(row_q28[i], 13));
 }
 
+/* From the light's set-up: where in which images. */
+static void set_whole(shade_spheres_eval *out, const shade_spheres_setup *setup, const uint8_t *const layers[])
+{
+    int i;
+
+    for (i = 0; i < 2; i++) {
+        out->image[i] = layers[setup->layer[i]];
+        to_q15(out->x[i], setup->x_q28[i], 1);
+    }
+    to_q15(out->y, setup->y_q28, -1); /* rows run downwards */
+    to_q15(out->rim, setup->rim_q28, 1);
+    out->weight = (int16_t)eval_least((int32_t)fx_shift(setup->weight_q28, 13), 32767);
+}
+
+static void set_quarters(shade_spheres_eval *out, const shade_quarter_setup *setup, const uint8_t *const layers[],
+                         unsigned size)
+{
+    out->image[0] = layers[setup->layer];
+    out->image[1] = layers[setup->layer + 1];
+    to_q15(out->x[0], setup->x_q28, 1);
+    to_q15(out->y, setup->y_q28, 1);
+    out->weight = (int16_t)eval_least((int32_t)fx_shift(setup->weight_q28, 13), 32767);
+    /* 2^17 texels (as place_of holds them) x 2^4 for log2(9), q12 */
+    out->texels_per_log2 = (int32_t)fx_div((int64_t)(size - 1) * ((int64_t)1 << 37), LOG2_9_Q28);
+}
+
 int shade_spheres_eval_prepare(shade_spheres_eval *out, const shade_light *light, const shade_material *material,
                                const uint8_t *const layers[], unsigned size, unsigned texel_bytes)
 {
-    const shade_spheres_setup *const setup = &light->is.spheres;
+    const int quarters = material->is.spheres.size != 0;
+    const int32_t *const l = quarters ? light->is.quarter.to_light_q28 : light->is.spheres.to_light_q28;
     shade_spheres_eval eval;
     int64_t log2_of[3], most = FX_LOG2_ZERO;
     int i;
 
-    if (material->is.spheres.cosine || material->is.spheres.size) return 0;
+    if (material->is.spheres.cosine) return 0;
     memset(&eval, 0, sizeof eval);
-    for (i = 0; i < 2; i++) {
-        eval.image[i] = layers[setup->layer[i]];
-        to_q15(eval.x[i], setup->x_q28[i], 1);
-    }
-    to_q15(eval.y, setup->y_q28, -1); /* rows run downwards */
-    to_q15(eval.rim, setup->rim_q28, 1);
-    eval.weight = (int16_t)eval_least((int32_t)fx_shift(setup->weight_q28, 13), 32767);
-    eval.to_light_xy = shade_pack_xy(shade_eval_q14(setup->to_light_q28[0]), shade_eval_q14(setup->to_light_q28[1]));
-    eval.to_light_z = shade_eval_q14(setup->to_light_q28[2]);
+    if (quarters)
+        set_quarters(&eval, &light->is.quarter, layers, size);
+    else
+        set_whole(&eval, &light->is.spheres, layers);
+    eval.to_light_xy = shade_pack_xy(shade_eval_q14(l[0]), shade_eval_q14(l[1]));
+    eval.to_light_z = shade_eval_q14(l[2]);
     eval.size = (uint16_t)size;
     eval.texel_bytes = (uint8_t)texel_bytes;
     for (i = 0; i < 3; i++) {
@@ -54,11 +79,9 @@ typedef struct place { /* between texels along one axis */
     int32_t f;         /* q15 */
 } place;
 
-/* coordinate: texture coordinate - 1/2, q29. step: bytes from texel to texel. */
-static inline place place_of(int32_t coordinate, int32_t size, uint32_t step)
+/* held: texels from the first one's centre, q17, 0..size - 1. step: bytes from texel to texel. */
+static inline place place_between(int32_t held, int32_t size, uint32_t step)
 {
-    const int32_t texel = ((coordinate >> 12) + 65536) * size - 65536, most = (size - 1) * 131072;
-    const int32_t held = texel < 0 ? 0 : eval_least(texel, most);
     const uint32_t index = (uint32_t)held >> 17;
     place out;
 
@@ -66,6 +89,27 @@ static inline place place_of(int32_t coordinate, int32_t size, uint32_t step)
     out.next = out.at + (index + 1 < (uint32_t)size ? step : 0);
     out.f = held >> 2 & 32767;
     return out;
+}
+
+static inline int32_t hold(int32_t texel, int32_t size)
+{
+    const int32_t most = (size - 1) * 131072;
+
+    return texel < 0 ? 0 : eval_least(texel, most);
+}
+
+/* coordinate: texture coordinate - 1/2, q29. */
+static inline place place_of(int32_t coordinate, int32_t size, uint32_t step)
+{
+    return place_between(hold(((coordinate >> 12) + 65536) * size - 65536, size), size, step);
+}
+
+/* x: q29. log2(8 |x| + 1) = log2(|x| + 1/8) + 3 */
+static inline place quarter_place(const shade_spheres_eval *e, int32_t x, uint32_t step)
+{
+    const int32_t octaves = eval_log2((uint32_t)(x < 0 ? -x : x) + (1u << 26)) - 26 * 4096;
+
+    return place_between(hold((octaves * e->texels_per_log2 + 8) >> 4, e->size), e->size, step);
 }
 
 static inline int32_t mix(int32_t a, int32_t b, int32_t f)
@@ -92,13 +136,22 @@ static inline int32_t dot(const eval_surface *n, const int16_t row[3])
 static inline void add_pixel(const shade_spheres_eval *e, const eval_surface *n, int32_t nl, uint32_t *const out[3])
 {
     const uint32_t texel = e->texel_bytes, stride = texel * e->size;
-    const int32_t depth = dot(n, e->rim), cosine = eval_mul_q15(eval_pow24(eval_root48(nl >> 5)), e->gain);
-    const place y = place_of(dot(n, e->y), e->size, stride);
+    const int32_t cosine = eval_mul_q15(eval_pow24(eval_root48(nl >> 5)), e->gain);
     int32_t root[2][3];
     int i;
 
-    sample(e->image[0], place_of(dot(n, e->x[0]), e->size, texel), y, root[0]);
-    sample(e->image[1], place_of(dot(n, e->x[1]) + (depth > 0 ? depth : 0), e->size, texel), y, root[1]);
+    if (e->texels_per_log2) {
+        const place x = quarter_place(e, dot(n, e->x[0]), texel), y = quarter_place(e, dot(n, e->y), stride);
+
+        sample(e->image[0], x, y, root[0]);
+        sample(e->image[1], x, y, root[1]);
+    } else {
+        const int32_t depth = dot(n, e->rim);
+        const place y = place_of(dot(n, e->y), e->size, stride);
+
+        sample(e->image[0], place_of(dot(n, e->x[0]), e->size, texel), y, root[0]);
+        sample(e->image[1], place_of(dot(n, e->x[1]) + (depth > 0 ? depth : 0), e->size, texel), y, root[1]);
+    }
     for (i = 0; i < 3; i++) {
         const int32_t value = mix(root[0][i], root[1][i], e->weight);
 

@@ -2,7 +2,7 @@
 /* Quartered sphere images (nacre_asset.h, NACRE_KEY_QUARTERS). */
 #include "shade.h"
 
-#define LOG2_9_Q28 850915577 /* log2(9) */
+#define LOG2_9_Q28 850920263 /* log2(9) */
 #define ROOT_2_Q28 379625062 /* sqrt(2) */
 #define PLACES     3         /* log2(8 x + 1) = log2(x + 1/8) + 3 */
 

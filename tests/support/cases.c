@@ -21,7 +21,8 @@
  *   +-1          rounding, finished integers (q14 vectors, q16 matrices)
  *   -3           one light of a table, sRGB: the curve is drawn without its linear toe, at worst -2.7 codes near black
  *   -1.4, +1.5   sums of lights, sRGB: a cubic of the square root stands for the curve
- *   outliers     spheres: a normal turned past the rim is held to it along x, in double along the radius (0.3 % of the
+ *   outliers     quarters, light past the last angle: n.l and 1 / l.h amplify what a normal's rounding does at the rim;
+ *                spheres: a normal turned past the rim is held to it along x, in double along the radius (0.3 % of the
  *                pixels, lights behind); meshes: packed normals, and outlines of parts before others that move by 1/256
  *                pixel, one pixel wide (2 % of the pixels); paper under perspective: mip levels, which double leaves out,
  *                where the frame is much smaller than the images
@@ -218,7 +219,7 @@ const frame_case frame_cases[] = {
      .brdf = YELLOW,
      .lights = 1,
      .polar_deg = 172,
-     .fp32 = &sum,
+     .fp32 = &light,
      .fp16 = &half},
     {.name = "quarter at the eye",
      .model = CASE_QUARTER,

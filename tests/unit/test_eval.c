@@ -99,13 +99,16 @@ static void read_table(shade_material *m, const nacre_image *image)
 static void read_spheres(shade_material *m, const nacre_image *image)
 {
     shade_spheres *s = &m->is.spheres;
-    uint32_t polar[NACRE_MAX_LAYERS];
+    uint32_t polar[NACRE_MAX_LAYERS], quarters;
     int i;
 
     m->model = NACRE_MODEL_SPHERES;
     assert_true(asset_key_u32(image, NACRE_KEY_LIGHT_POLAR, polar, image->layers));
     assert_true(asset_key_q16(image, NACRE_KEY_SCALE, s->scale, 3));
-    assert_true(asset_key_q16(image, NACRE_KEY_DISC, &s->disc, 1));
+    if (asset_key_u32(image, NACRE_KEY_QUARTERS, &quarters, 1) && quarters)
+        s->size = image->width;
+    else
+        assert_true(asset_key_q16(image, NACRE_KEY_DISC, &s->disc, 1));
     for (i = 0; i < image->layers; i++) s->polar_bam[i] = (uint16_t)polar[i];
     s->layers = (uint8_t)image->layers;
 }
@@ -237,6 +240,9 @@ static void spheres(void **state)
     for (k = 0; k < sizeof polar / sizeof *polar; k++) {
         compare(CASE_SPHERES, "sgd:gold-metallic-paint", polar[k], 40, power, 3);
         compare(CASE_SPHERES, "sgd:yellow-plastic", polar[k], 230, bright, 3);
+        /* their first image is not the same all round: in q14 a light at 0.01 degrees has an azimuth 5 degrees off */
+        compare(CASE_QUARTER, "sgd:gold-metallic-paint", fmax(polar[k], 5), 40, power, 3);
+        compare(CASE_QUARTER, "sgd:yellow-plastic", fmax(polar[k], 5), 230, bright, 3);
     }
 }
 
