@@ -21,6 +21,8 @@ const asset_case asset_cases[] = {
     {"pairs", NACRE_FORMAT_RG8, 7, 2, 3, 1, 2, 0, NULL},
     {"half", NACRE_FORMAT_RGBA16F, 4, 4, 1, 1, 3, 0, NULL},
     {"shared", NACRE_FORMAT_E5BGR9, 6, 6, 0, 6, 3, 0, NULL},
+    {"quarters", NACRE_FORMAT_RGB8, 5, 5, 3, 1, 1, 0, "spheres"},
+    {"quarters-etc2", NACRE_FORMAT_ETC2_RGB8, 8, 8, 2, 1, 1, 0, "spheres"},
 };
 const int asset_case_count = sizeof asset_cases / sizeof asset_cases[0];
 
@@ -56,14 +58,20 @@ static size_t part_bytes(const asset_case *c, int level)
     }
 }
 
+static int is_quarters(const asset_case *c)
+{
+    return !strncmp(c->name, "quarters", 8);
+}
+
 static void fill_level(const asset_case *c, int level, bytes *out, uint32_t *state)
 {
     const size_t size = part_bytes(c, level) * (size_t)((c->layers ? c->layers : 1) * c->faces);
+    const int etc1 = c->format == NACRE_FORMAT_ETC2_RGB8 && !is_quarters(c); /* the others in any mode */
     for (size_t i = 0; i < size; i++) {
         uint8_t byte = (uint8_t)(next(state) >> 11);
         if (c->format == NACRE_FORMAT_RGBA16F && i % 2) byte &= 0x3F;           /* finite halves, below 2 */
-        if (c->format == NACRE_FORMAT_ETC2_RGB8 && i % 8 < 3) byte &= 0xF8 | 3; /* 5-bit colours, steps of 0..3 ... */
-        if (c->format == NACRE_FORMAT_ETC2_RGB8 && i % 8 < 3) byte &= 0xE7;     /* ... that can't leave 0..31 */
+        if (etc1 && i % 8 < 3) byte &= 0xF8 | 3; /* 5-bit colours, steps of 0..3 ... */
+        if (etc1 && i % 8 < 3) byte &= 0xE7;     /* ... that can't leave 0..31 */
         bytes_append(out, &byte, 1);
     }
 }
@@ -83,12 +91,15 @@ static void add_keys(const asset_case *c, ktx2_image *k)
         const uint32_t cosine = (uint32_t)c->srgb, one = 1;
         uint32_t polar[8];
         for (int i = 0; i < c->layers; i++) polar[i] = (uint32_t)(i * (c->layers > 4 ? 6144 : 8192));
-        ktx2_key_text(k, NACRE_KEY_TRANSFER, c->srgb ? "srgb" : "root4");
+        ktx2_key_text(k, NACRE_KEY_TRANSFER, c->srgb ? "srgb" : is_quarters(c) ? "root4-lh" : "root4");
         ktx2_key_u32(k, NACRE_KEY_LIGHT_POLAR, polar, c->layers);
         ktx2_key_u32(k, NACRE_KEY_COSINE, &cosine, 1);
         ktx2_key_q16(k, NACRE_KEY_SCALE, scale, 3);
-        ktx2_key_q16(k, NACRE_KEY_DISC, &disc, 1);
-        if (c->format == NACRE_FORMAT_ETC2_RGB8) ktx2_key_u32(k, NACRE_KEY_ETC1, &one, 1);
+        if (is_quarters(c))
+            ktx2_key_u32(k, NACRE_KEY_QUARTERS, &one, 1);
+        else
+            ktx2_key_q16(k, NACRE_KEY_DISC, &disc, 1);
+        if (c->format == NACRE_FORMAT_ETC2_RGB8 && !is_quarters(c)) ktx2_key_u32(k, NACRE_KEY_ETC1, &one, 1);
     }
     if (!strcmp(c->role, "normal")) {
         ktx2_key_text(k, NACRE_KEY_TRANSFER, "linear");
