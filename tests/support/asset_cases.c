@@ -69,9 +69,9 @@ static void fill_level(const asset_case *c, int level, bytes *out, uint32_t *sta
     const int etc1 = c->format == NACRE_FORMAT_ETC2_RGB8 && !is_quarters(c); /* the others in any mode */
     for (size_t i = 0; i < size; i++) {
         uint8_t byte = (uint8_t)(next(state) >> 11);
-        if (c->format == NACRE_FORMAT_RGBA16F && i % 2) byte &= 0x3F;           /* finite halves, below 2 */
-        if (etc1 && i % 8 < 3) byte &= 0xF8 | 3; /* 5-bit colours, steps of 0..3 ... */
-        if (etc1 && i % 8 < 3) byte &= 0xE7;     /* ... that can't leave 0..31 */
+        if (c->format == NACRE_FORMAT_RGBA16F && i % 2) byte &= 0x3F; /* finite halves, below 2 */
+        if (etc1 && i % 8 < 3) byte &= 0xF8 | 3;                      /* 5-bit colours, steps of 0..3 ... */
+        if (etc1 && i % 8 < 3) byte &= 0xE7;                          /* ... that can't leave 0..31 */
         bytes_append(out, &byte, 1);
     }
 }

@@ -87,11 +87,14 @@ static void add_keys(ktx2_image *k, kit_model model)
         return;
     }
     ktx2_key_text(k, NACRE_KEY_ROLE, "spheres");
-    ktx2_key_text(k, NACRE_KEY_TRANSFER, cosine ? "srgb" : "root4");
+    ktx2_key_text(k, NACRE_KEY_TRANSFER, cosine ? "srgb" : model == KIT_QUARTER ? "root4-lh" : "root4");
     ktx2_key_u32(k, NACRE_KEY_LIGHT_POLAR, polar, k->layers);
     ktx2_key_u32(k, NACRE_KEY_COSINE, &cosine, 1);
     ktx2_key_q16(k, NACRE_KEY_SCALE, cosine ? e : f_scale, 3);
-    ktx2_key_q16(k, NACRE_KEY_DISC, &disc, 1);
+    if (model == KIT_QUARTER)
+        ktx2_key_u32(k, NACRE_KEY_QUARTERS, &one, 1);
+    else
+        ktx2_key_q16(k, NACRE_KEY_DISC, &disc, 1);
     if (model == KIT_ETC1) ktx2_key_u32(k, NACRE_KEY_ETC1, &one, 1);
 }
 
@@ -103,7 +106,7 @@ static void make_asset(kit *k, kit_model model)
         [KIT_TABLE] = {NACRE_FORMAT_RGBA8, 24, 21, 0, 1},    [KIT_FINE] = {NACRE_FORMAT_RGBA8, 8, 5, 2, 1},
         [KIT_SPHERES] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},  [KIT_PAPER] = {NACRE_FORMAT_RGBA8, 128, 128, 4, 8},
         [KIT_ETC1] = {NACRE_FORMAT_ETC2_RGB8, 16, 16, 3, 5}, [KIT_RGB565] = {NACRE_FORMAT_RGB565, 20, 12, 5, 2},
-        [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
+        [KIT_QUARTER] = {NACRE_FORMAT_RGB8, 16, 16, 5, 1},   [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
     };
     ktx2_image image;
     bytes file = {0};

@@ -15,6 +15,7 @@ typedef enum kit_model {
     KIT_PAPER,   /* the same of 128 x 128, 8 levels, cosine in the image */
     KIT_ETC1,    /* spheres of ETC1 blocks */
     KIT_RGB565,  /* spheres, 5 layers of 20 x 12, mips cut short */
+    KIT_QUARTER, /* spheres, 5 quarters of 16 x 16, RGB8 */
     KIT_NORMAL,  /* 8 x 8 normal map, RGB8 */
     KIT_MODELS
 } kit_model;

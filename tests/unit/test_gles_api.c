@@ -9,6 +9,7 @@
 
 #include "gles_kit.h"
 #include "nacre_asset.h"
+#include "sphere_bake.h"
 
 #include <cmocka.h>
 
@@ -225,22 +226,22 @@ static void add_refuses_bad_materials(void **state)
 static void add_survives_changed_keys(void **state)
 {
     (void)state;
-    static const kit_model models[] = {KIT_TABLE, KIT_SPHERES, KIT_ETC1};
-    for (int i = 0; i < 3; i++) {
-        uint8_t *bytes = assets.file[models[i]];
+    static const kit_model models[] = {KIT_TABLE, KIT_SPHERES, KIT_ETC1, KIT_QUARTER};
+    for (int i = 0; i < 4; i++) {
+        uint8_t *data = assets.file[models[i]];
         nacre_image *image = &assets.image[models[i]];
         for (uint32_t k = 0; k < image->kv_size; k++) {
             world w;
             open_world(&w, &(fake_gl_options){.extensions = "GL_OES_compressed_ETC1_RGB8_texture"}, NULL);
             const nacre_material m = kit_material(&assets, models[i], 0);
             nacre_gles_item item = {0};
-            bytes[image->kv_offset + k] ^= 0x91;
+            data[image->kv_offset + k] ^= 0x91;
             const nacre_result r = nacre_gles_add(w.gles, &assets.ball, &m, &item);
             assert_true(r == NACRE_OK || r == NACRE_ERR_ASSET || r == NACRE_ERR_UNSUPPORTED);
             assert_int_equal(r == NACRE_OK, item.id != 0);
             if (r) assert_int_equal(fake_gl_live(), 0);
             nacre_gles_remove(w.gles, item);
-            bytes[image->kv_offset + k] ^= 0x91;
+            data[image->kv_offset + k] ^= 0x91;
             close_world(&w);
         }
     }
@@ -303,6 +304,65 @@ static void etc1_needs_its_extension(void **state)
     assert_int_equal(item.id, 7);
     assert_int_equal(fake_gl_live(), 0);
     close_world(&w);
+}
+
+/* Quarters are one texture, all images below each other; it must fit the device as a whole. */
+static void quarters_are_one_texture(void **state)
+{
+    (void)state;
+    world w;
+    open_world(&w, &(fake_gl_options){.max_texture = 128}, &(nacre_gles_desc){.max_textures = 1});
+    add(&w, KIT_QUARTER, 0);
+    assert_int_equal(nacre_gles_texture_bytes(w.gles), 16 * 16 * 3 * 5);
+    assert_int_equal(fake_gl_texture_bytes(), 16 * 16 * 3 * 5);
+    close_world(&w);
+    open_world(&w, &(fake_gl_options){.max_texture = 64}, NULL);
+    const nacre_material m = kit_material(&assets, KIT_QUARTER, 0);
+    nacre_gles_item item = {7};
+    assert_int_equal(nacre_gles_add(w.gles, &assets.ball, &m, &item), NACRE_ERR_UNSUPPORTED);
+    assert_int_equal(item.id, 7);
+    assert_int_equal(fake_gl_live(), 0);
+    close_world(&w);
+}
+
+/* Blocks of any ETC2 mode need ES 3; of ETC1 modes alone, ES 2 with its extension takes them too. */
+static void etc2_needs_es3(void **state)
+{
+    (void)state;
+    static const char etc1[] = "GL_OES_compressed_ETC1_RGB8_texture";
+    static const struct {
+        int etc2;
+        fake_gl_options gl;
+        nacre_result result;
+    } cases[] = {{1, {.es = 2, .extensions = etc1}, NACRE_ERR_UNSUPPORTED},
+                 {1, {.es = 3}, NACRE_OK},
+                 {0, {.es = 2, .extensions = etc1}, NACRE_OK},
+                 {0, {.es = 2}, NACRE_ERR_UNSUPPORTED},
+                 {0, {.es = 3}, NACRE_OK}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const sphere_options o = {.size = 8, .images = 2, .format = NACRE_FORMAT_ETC2_RGB8, .etc2 = cases[i].etc2};
+        nacre_material m = {.model = NACRE_MODEL_SPHERES};
+        nacre_gles_item item = {7};
+        nacre_image image;
+        sphere_asset s;
+        bytes file = {0};
+        brdf *b;
+        world w;
+        assert_int_equal(brdf_open(&b, "blinn-phong:", NULL), 0);
+        assert_int_equal(sphere_bake(&s, b, &o, NULL), 0);
+        sphere_write(&s, &file);
+        assert_int_equal(nacre_image_open(&image, file.data, file.size), NACRE_OK);
+        m.image[NACRE_ROLE_SPHERES] = &image;
+        open_world(&w, &cases[i].gl, NULL);
+        assert_int_equal(nacre_gles_add(w.gles, &assets.ball, &m, &item), cases[i].result);
+        if (cases[i].result) assert_int_equal(item.id, 7);
+        if (!cases[i].result) nacre_gles_remove(w.gles, item);
+        assert_int_equal(fake_gl_texture_bytes(), 0);
+        close_world(&w);
+        bytes_free(&file);
+        sphere_free(&s);
+        brdf_close(b);
+    }
 }
 
 static void small_devices_start_at_a_smaller_level(void **state)
@@ -742,7 +802,7 @@ static void abandon_makes_no_call(void **state)
     nacre_gles_item own = {0}, other = {7};
     assert_int_equal(nacre_gles_add_buffers(w.gles, &b, &m, &own), NACRE_OK);
     assert_int_equal(nacre_gles_bind(w.gles, item, &view, NULL), NACRE_OK);
-    const uint32_t bytes = nacre_gles_texture_bytes(w.gles);
+    const uint32_t texels = nacre_gles_texture_bytes(w.gles);
     fake_gl_lose(1);
     const long calls = fake_gl_calls(), queries = fake_gl_queries();
     nacre_gles_abandon(w.gles);
@@ -758,8 +818,8 @@ static void abandon_makes_no_call(void **state)
 
     fake_gl_new_context();
     assert_int_equal(nacre_gles_restore(w.gles), NACRE_OK);
-    assert_int_equal(nacre_gles_texture_bytes(w.gles), bytes);
-    assert_int_equal(fake_gl_texture_bytes(), bytes);
+    assert_int_equal(nacre_gles_texture_bytes(w.gles), texels);
+    assert_int_equal(fake_gl_texture_bytes(), texels);
     assert_int_equal(nacre_gles_draw(w.gles, item, &view), NACRE_OK);
     assert_int_equal(nacre_gles_draw(w.gles, own, &view), NACRE_ERR_ARGUMENT); /* its buffers are gone */
     assert_int_equal(nacre_gles_set_buffers(w.gles, own, &b), NACRE_OK);
@@ -827,6 +887,8 @@ int main(void)
         cmocka_unit_test(add_survives_changed_keys),
         cmocka_unit_test(texture_bytes_are_what_gl_got),
         cmocka_unit_test(etc1_needs_its_extension),
+        cmocka_unit_test(quarters_are_one_texture),
+        cmocka_unit_test(etc2_needs_es3),
         cmocka_unit_test(small_devices_start_at_a_smaller_level),
         cmocka_unit_test(texture_budget_is_kept),
         cmocka_unit_test(textures_are_shared),
