@@ -23,6 +23,8 @@ const asset_case asset_cases[] = {
     {"shared", NACRE_FORMAT_E5BGR9, 6, 6, 0, 6, 3, 0, NULL},
     {"quarters", NACRE_FORMAT_RGB8, 5, 5, 3, 1, 1, 0, "spheres"},
     {"quarters-etc2", NACRE_FORMAT_ETC2_RGB8, 8, 8, 2, 1, 1, 0, "spheres"},
+    {"table-rows", NACRE_FORMAT_RGBA8, 7, 6, 0, 1, 1, 0, "table"},
+    {"table-two", NACRE_FORMAT_RGBA8, 6, 7, 2, 1, 1, 0, "table"},
 };
 const int asset_case_count = sizeof asset_cases / sizeof asset_cases[0];
 
@@ -82,9 +84,12 @@ static void add_keys(const asset_case *c, ktx2_image *k)
     ktx2_key_text(k, NACRE_KEY_NAME, c->name);
     if (!strcmp(c->role, "table")) {
         const double fine = c->layers == 2;
-        const double table[9] = {1.5, 0.875, 1, 0.75, -0.5, 4.8, 1.0 / 256, 0.5 * fine, 0.25 * fine};
+        const int early = strcmp(c->name, "table-rows") && strcmp(c->name, "table-two");
+        const double table[17] = {
+            1.5, 0.875, 1, 0.75, -0.5,  4.8,  1.0 / 256, early ? 0.5 * fine : 0, 0.25 * fine, -0.5,
+            1.5, 1.25,  1, 0.5,  -0.75, 0.25, 2};
         ktx2_key_text(k, NACRE_KEY_TRANSFER, "root");
-        ktx2_key_q16(k, NACRE_KEY_TABLE, table, 9);
+        ktx2_key_q16(k, NACRE_KEY_TABLE, table, early ? 9 : c->layers == 2 ? 17 : 10);
     }
     if (!strcmp(c->role, "spheres")) {
         const double scale[3] = {2, 1.25, 0.5}, disc = 0.9375;

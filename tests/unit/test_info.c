@@ -80,7 +80,8 @@ static void frozen_files(void **state)
     expect("fixtures/asset/v1-table.ktx2", 0,
            TEXTS("RGBA8 (vkFormat 37), 24 x 21", "2016 bytes at 432", "0.875 (57344)", "-0.5 (-32768)",
                  "half-vector table of table: default tier", "for sRGB output"));
-    expect("fixtures/asset/v1-table-fine.ktx2", 0, TEXTS("fine tier"));
+    expect("fixtures/asset/v1-table-fine.ktx2", 0, TEXTS("fine tier, early layout"));
+    expect("fixtures/asset/v1-table-two.ktx2", 0, TEXTS("fine tier (two fetches per light)"));
     expect("fixtures/asset/v1-spheres-etc1.ktx2", 0,
            TEXTS("67.5 deg (12288)", "lit from 0, 33.75, 67.5, 101.2, 135 degrees, cosine-free",
                  "all 35 blocks are ETC1"));
