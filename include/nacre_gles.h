@@ -83,7 +83,8 @@ typedef struct nacre_gles_buffers {
    are not uploaded; nor do such normal maps repeat there; an image larger than the device's textures starts at its first
    level that fits.
    NACRE_ERR_ARGUMENT: material or mesh not valid. NACRE_ERR_ASSET: an image lacks what its model needs.
-   NACRE_ERR_UNSUPPORTED: a texture format or size that the device has not.
+   NACRE_ERR_UNSUPPORTED: a texture format or size that the device has not (blocks of ETC2: `nacre bake --format etc1` makes
+   files for GLES 2 with GL_OES_compressed_ETC1_RGB8_texture and for GLES 3, rgb8 and rgb565 draw everywhere).
    NACRE_ERR_BUDGET: texture_budget, max_textures or max_items; nothing was created.
    NACRE_ERR_GL / LOST: upload failed. Nothing is half-made. */
 nacre_result nacre_gles_add(nacre_gles *gles, const nacre_mesh *mesh, const nacre_material *material,
