@@ -14,7 +14,6 @@
 #define COEFFICIENT   0.5
 #define VECTOR_STEP   4 /* of the samples that weight vectors are found with */
 #define RANGES        4
-#define BASE_SHARE    0.45 /* two layers: Ymax in parts of the largest root */
 #define RANGE_STEP    1.3
 #define WEIGHT_LIMIT  16.0 /* of |W|, K1, K2: far above what measured materials ask for (10 at most) */
 #define ONE_Q16       65536.0
@@ -154,6 +153,11 @@ static void keep(table_asset *best, const table_asset *tried)
     best->rgba = rgba;
 }
 
+/* Two layers: Ymax in parts of the largest root. Less means finer codes of RGB, but where the channels are far apart the
+   brightest one's A D exceeds what the darkest one holds. */
+static const double base_share[] = {0.45, 0.7, 1};
+#define SHARES (int)(sizeof base_share / sizeof *base_share)
+
 /* Codes of the ranges that draw best: a few large values may be cut so that all others get finer steps. */
 static void encode(table_asset *t, const table_model *m, const table_samples *s, const table_options *o,
                    const double *x)
@@ -162,17 +166,21 @@ static void encode(table_asset *t, const table_model *m, const table_samples *s,
     table_problem p = table_problem_make(m, s, &hold);
     table_linearize(&p, x);
     double best = HUGE_VAL;
+    int share = 0;
     size_t size = (size_t)(t->width * t->height * t->layers) * 4;
     t->rgba = need_memory(size, 1);
     table_asset tried = *t;
     tried.rgba = need_memory(size, 1);
-    for (int i = 0; i < RANGES; i++) {
-        set_base(&tried, m, x, BASE_SHARE);
-        set_ranges(&tried, m, x, pow(RANGE_STEP, -i));
+    for (int i = 0; i < SHARES + RANGES - 1; i++) {
+        int range = i < SHARES ? 0 : i - SHARES + 1;
+        if (i > 0 && i < SHARES && t->layers == 1) continue;
+        set_base(&tried, m, x, base_share[i < SHARES ? i : share]);
+        set_ranges(&tried, m, x, pow(RANGE_STEP, -range));
         double error = table_round(&tried, &p, x);
-        progress_add(o->progress, 1);
+        if (range > 0 || i == 0) progress_add(o->progress, 1);
         if (error >= best) continue;
         best = error;
+        if (i < SHARES) share = i;
         keep(t, &tried);
     }
     free(tried.rgba);
