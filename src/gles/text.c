@@ -209,7 +209,8 @@ void gles_key_canonical(gles_key *key)
 /* Longer programs are refused by compilers of ES 2.0 GPUs, which stop at 256 instructions and few registers. */
 static unsigned most_lights(const gles_key *key)
 {
-    if (key->es3 || (!key->persp && !is_sbrdf(key))) return NACRE_MAX_LIGHTS;
+    if (key->es3) return NACRE_MAX_LIGHTS;
+    if (!key->persp && !is_sbrdf(key)) return key->model == GLES_KEY_FINE ? 6 : NACRE_MAX_LIGHTS;
     return is_table(key) || is_sbrdf(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
 }
 
