@@ -83,8 +83,8 @@ vec3 table_light(vec3 y, float cosine, vec3 factor)
 #if PERSP
     factor = min(factor, 2048.0); // eight lights together stay below 16,384
 #endif
-#if POWER48 && SPHERE
-    // Drivers that run on CPUs update pictures twice as fast so; GPUs have units for the other form.
+#if POWER48 && SPHERE && !FINE
+    // Drivers that run on CPUs update pictures twice as fast so; GPUs have units for the other form. y is 0..1.
     y = max(y, 0.0);
     vec3 rest = y * (y * (y * 0.143254 - 0.430754) + 1.244381) + 0.042565; // y^0.8: worst 0.12 codes of 255
     y *= y;

@@ -161,6 +161,8 @@ EVAL_INLINE eval_surface eval_unit(uint32_t xy, int32_t z)
 
 /* 2^log2 as gain x 2^-shift on a product of q14 and q15 that is to be q15. */
 void shade_eval_gain(int64_t log2_q16, int16_t *gain, uint8_t *shift);
+/* Largest number in a table's columns, q16: 1 but for the fine tier. */
+int64_t shade_table_most_root(const shade_material *material);
 /* scale, log_middle, at_middle, last of a table; 0: too wide. */
 int shade_eval_coordinate(shade_table_eval *out, const shade_table *table);
 /* q14, -1..1. */

@@ -131,14 +131,14 @@ static void set_columns(shade_table_eval *out, uint32_t *columns, int32_t row_q2
     }
 }
 
-/* Halvings that bring everything in a fine table's columns below 1. */
-static int halvings(const shade_material *material)
+int64_t shade_table_most_root(const shade_material *material)
 {
     const shade_table *const table = &material->is.table;
-    int64_t most = (int64_t)table->k4 / 2;
-    int i, down = 0;
+    int64_t most = 65536;
+    int i;
 
-    if (!material->fine || material->early) return 0;
+    if (!material->fine || material->early) return most;
+    if (table->k4 / 2 > most) most = table->k4 / 2;
     if (table->k2 / 2 > most) most = table->k2 / 2;
     for (i = 0; i < 3; i++) {
         const int64_t w = table->w[i] < 0 ? -(int64_t)table->w[i] : table->w[i],
@@ -147,6 +147,15 @@ static int halvings(const shade_material *material)
         if (65536 + (int64_t)table->d[i] > most) most = 65536 + (int64_t)table->d[i];
         if ((w + v) / 2 > most) most = (w + v) / 2;
     }
+    return most;
+}
+
+/* Halvings that bring everything in a table's columns below 1. */
+static int halvings(const shade_material *material)
+{
+    const int64_t most = shade_table_most_root(material);
+    int down = 0;
+
     while (most >> down > 65536) down++;
     return down;
 }

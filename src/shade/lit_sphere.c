@@ -88,12 +88,18 @@ static parts split(const shade_lit *lit, unsigned rows, void *scratch)
 /* ---- lights ------------------------------------------------------------------------------------------------------ */
 
 /* A light that is dim enough becomes 16 times as bright: 1. */
-static int make_fine(shade_light *light)
+static int make_fine(shade_light *light, const shade_material *material)
 {
+    int64_t most_log2 = FINE_MOST_LOG2;
     int i;
 
+    if (material->model == NACRE_MODEL_TABLE) {
+        const int64_t root_log2 = fx_log2_u64((uint64_t)shade_table_most_root(material)) - 16 * 65536;
+
+        most_log2 -= fx_shift(material->is.table.p * root_log2, 16);
+    }
     for (i = 0; i < 3; i++)
-        if (fx_real_log2_q16(light->linear[i]) > FINE_MOST_LOG2) return 0;
+        if (fx_real_log2_q16(light->linear[i]) > most_log2) return 0;
     for (i = 0; i < 3; i++)
         if (light->linear[i].m) light->linear[i].e += FINE_BITS;
     return 1;
@@ -101,7 +107,7 @@ static int make_fine(shade_light *light)
 
 static int add_light(const shade_lit *lit, const parts *p, shade_light *light, int count)
 {
-    const shade_rgb *const to = make_fine(light) ? &p->fine : &p->sum;
+    const shade_rgb *const to = make_fine(light, lit->material) ? &p->fine : &p->sum;
 
     if (lit->material->model == NACRE_MODEL_TABLE) {
         shade_table_eval eval;
