@@ -314,7 +314,8 @@ static void equals_the_method(void **state)
             double exact = method_db(&from, images), file = spheres_db(&from, SPHERE_PAPER, images, METHOD_SIZE);
             print_message("%-44s %d images: method %.2f dB, file %.2f dB, %+.3f\n", names[i], images, exact, file,
                           file - exact);
-            if (!SLOW_BUILD) assert_true(fabs(file - exact) <= 0.3); /* texels of 64 are fitted: better than point samples */
+            if (!SLOW_BUILD)
+                assert_true(fabs(file - exact) <= 0.3); /* texels of 64 are fitted: better than point samples */
         }
         for (int k = 0; k < METRIC_FRAMES; k++) image_u8_free(&from.frame[k]);
         brdf_close(b);
