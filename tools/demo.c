@@ -332,8 +332,8 @@ static void environment_sheet(studio *st, const char *map_path, const scene_came
         scene_material_close(&m);
     }
     sheet_row_label(&sh, 0, "as it is");
-    sheet_row_label(&sh, 1, "turned by 120");
-    sheet_row_label(&sh, 2, "turned by 240");
+    sheet_row_label(&sh, 1, "turned by\n120 degrees");
+    sheet_row_label(&sh, 2, "turned by\n240 degrees");
     mesh_free(&shape);
     light_set_free(&lights);
     env_map_free(&map);
