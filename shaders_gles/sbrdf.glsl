@@ -13,15 +13,15 @@ vec4 g_albedo;
 #endif
 
 #if LIGHTS
-// u_factor: rgb, of code 255 of the diffuse albedo; OWN_FRAME: 128/255 l.v in w
+// u_factor: rgb, of code 255 of the diffuse albedo
 // u_model, one a lobe, where x = K times what codes 0..1 give, and w = its albedo relative to the diffuse one:
 // 255 log2 K, log2 w; with a power table of W columns: K^2 (W - 1/2)/W, w
 uniform vec4 u_factor[LIGHTS];
 uniform vec4 u_model[LOBES];
 
-#define ZERO 0.50196 // code 128: C = 0
+#define ZERO vec4(vec3(0.5019608), 0.0) // code 128: C = 0
 
-// Of the lobes: RGB albedo; xyz what is dotted with l to give x / K (OWN_FRAME: x / K + u_factor.w), exponent code.
+// Of the lobes: RGB albedo; xyz what is dotted with l to give x / K, exponent code.
 vec3 g_lobe0;
 vec4 g_shape0;
 #if LOBES > 1
@@ -48,7 +48,6 @@ float power(float x, float exponent, vec4 model)
 // One directional light and one view direction: both come in the frame of the vertex, as in the paper.
 varying vec3 v_eye;
 varying vec3 v_light;
-#define LESS u_factor[0].w
 #else
 #if PERSP
 uniform HIGHP vec4 u_light[LIGHTS]; // r = xyz - w P points to the light, |r| = 1 at the centre of the mesh
@@ -56,21 +55,20 @@ uniform HIGHP vec4 u_eye[1];        // v ~ xyz - w P
 #else
 uniform vec4 u_light[LIGHTS]; // l
 #endif
-#define LESS 0.0
 #endif
 
 // Reflectance relative to code 255 of the diffuse albedo.
 vec3 reflectance(UNIT vec3 l)
 {
-    vec3 sum = g_lobe0 * power(dot(g_shape0.xyz, l) - LESS, g_shape0.w, u_model[0]);
+    vec3 sum = g_lobe0 * power(dot(g_shape0.xyz, l), g_shape0.w, u_model[0]);
 #if DIFFUSE
     sum += g_albedo.rgb;
 #endif
 #if LOBES > 1
-    sum += g_lobe1 * power(dot(g_shape1.xyz, l) - LESS, g_shape1.w, u_model[1]);
+    sum += g_lobe1 * power(dot(g_shape1.xyz, l), g_shape1.w, u_model[1]);
 #endif
 #if LOBES > 2
-    sum += g_lobe2 * power(dot(g_shape2.xyz, l) - LESS, g_shape2.w, u_model[2]);
+    sum += g_lobe2 * power(dot(g_shape2.xyz, l), g_shape2.w, u_model[2]);
 #endif
     return sum;
 }
@@ -84,16 +82,16 @@ vec2 texel()
     vec4 lobe = texture2D(u_map[FIRST], v_uv);
     vec2 direction = vec2(lobe.a, 0.0);
     g_lobe0 = lobe.rgb;
-    g_shape0 = texture2D(u_map[FIRST + 1], v_uv);
+    g_shape0 = texture2D(u_map[FIRST + 1], v_uv) - ZERO;
 #if LOBES > 1
     lobe = texture2D(u_map[FIRST + 2], v_uv);
     direction.y = lobe.a;
     g_lobe1 = lobe.rgb;
-    g_shape1 = texture2D(u_map[FIRST + 3], v_uv);
+    g_shape1 = texture2D(u_map[FIRST + 3], v_uv) - ZERO;
 #endif
 #if LOBES > 2
     g_lobe2 = texture2D(u_map[FIRST + 4], v_uv).rgb;
-    g_shape2 = texture2D(u_map[FIRST + 5], v_uv);
+    g_shape2 = texture2D(u_map[FIRST + 5], v_uv) - ZERO;
 #endif
 #if DIRECTION
 #if DIRECTION_X
@@ -102,7 +100,7 @@ vec2 texel()
 #if DIRECTION_Y
     direction.y = texture2D(u_map[DIRECTION_Y], v_uv).a;
 #endif
-    direction -= ZERO;
+    direction -= ZERO.xy;
     return direction * inversesqrt(max(dot(direction, direction), 0.0001));
 #else
     return vec2(1.0, 0.0);
@@ -150,7 +148,7 @@ void surface(UNIT vec3 n, UNIT vec3 v)
     b = cross(n, t);
 #endif
     UNIT vec3 eye = vec3(dot(t, v), dot(b, v), dot(n, v));
-#define SHAPE(s) t * (((s).x - ZERO) * eye.x) + b * (((s).y - ZERO) * eye.y) + n * (((s).z - ZERO) * eye.z)
+#define SHAPE(s) t * ((s).x * eye.x) + b * ((s).y * eye.y) + n * ((s).z * eye.z)
     g_shape0.xyz = SHAPE(g_shape0);
 #if LOBES > 1
     g_shape1.xyz = SHAPE(g_shape1);

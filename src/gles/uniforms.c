@@ -450,7 +450,7 @@ static const int32_t (*vertex_turn(const gles_key *key, const shade_frame *frame
 }
 
 static void set_sbrdf(const gles_procs *gl, const gles_uniforms *at, const gles_key *key, const shade_frame *frame,
-                      unsigned first, unsigned first_lobe, vectors *factor)
+                      unsigned first, unsigned first_lobe)
 {
     const shade_sbrdf_draw *const draw = &frame->is.sbrdf;
     vectors light = {{{0}}}, model = light;
@@ -465,12 +465,7 @@ static void set_sbrdf(const gles_procs *gl, const gles_uniforms *at, const gles_
     }
     set(gl, at->model, &model, key->lobes);
     if (key->persp) return;
-    for (i = 0; i < key->lights; i++) {
-        const int32_t *const to_light = light_of(frame, first + i)->is.sbrdf.to_light_q28;
-
-        put_q28(light.v[i], to_light, 3);
-        factor->v[i][3] = from_q28(to_light[2]) * (128.0f / 255.0f);
-    }
+    for (i = 0; i < key->lights; i++) put_q28(light.v[i], light_of(frame, first + i)->is.sbrdf.to_light_q28, 3);
     set(gl, at->light, &light, key->lights);
 }
 
@@ -495,7 +490,7 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     put_factors(&factor, key, frame, first_light, scale);
     if (key->persp) set_positions(gl, at, key, frame, first_light);
     if (sbrdf)
-        set_sbrdf(gl, at, key, frame, first_light, first_lobe, &factor);
+        set_sbrdf(gl, at, key, frame, first_light, first_lobe);
     else if (table && key->persp)
         set_table_persp(gl, at, key, frame);
     else if (table)
