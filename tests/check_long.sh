@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# check_long.sh BUILD: the sweeps that `make test` shortens, over all built-in materials, then the readers under libFuzzer
+# check_long.sh BUILD: the sweeps that `make test` shortens, over all built-in materials and shader texts, then the readers under libFuzzer
 # for NACRE_FUZZ_SECONDS (60) each.
 set -eu
 build=$1
 seconds=${NACRE_FUZZ_SECONDS:-60}
 
-for t in unit/test_paper002 frame/test_fp16; do
-    echo "== $t, all materials"
+for t in unit/test_paper002 frame/test_fp16 frame/test_compile; do
+    echo "== $t, all materials and texts"
     NACRE_LONG=1 "$build/release/tests/$t"
 done
 
