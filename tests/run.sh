@@ -4,7 +4,7 @@
 # failed, naming them.
 set -u
 build=$1
-export LSAN_OPTIONS="suppressions=$(dirname "$0")/lsan.supp print_suppressions=0"
+export LSAN_OPTIONS="suppressions=$(cd "$(dirname "$0")" && pwd)/lsan.supp print_suppressions=0"
 export ASAN_OPTIONS=detect_leaks=1
 failed=
 run() {

@@ -6,7 +6,10 @@
 #include <string.h>
 #include <time.h>
 
+#include "mesh.h"
+#include "nacre_asset.h"
 #include "progress.h"
+#include "table_bake.h"
 
 #define GL_DEPTH_TEST 0x0B71
 
@@ -60,6 +63,60 @@ int bench_measure(int rows, int rounds, int frames, int (*draw)(void *user, int 
 int bench_prints(const bench_settings *settings)
 {
     return !settings->json_path || strcmp(settings->json_path, "-");
+}
+
+int bench_mesh_open(bench_mesh *m, const char *path, failure *f)
+{
+    mesh whole;
+    int code = mesh_open(&whole, path, f);
+    *m = (bench_mesh){0};
+    if (code) return code;
+    m->triangles = (int)(whole.index_count / 3);
+    code = mesh_pack(&whole, &m->parts, &m->part_count, f);
+    mesh_free(&whole);
+    if (!code && m->part_count > BENCH_MAX_PARTS)
+        code = fail(f, FAIL_UNSUPPORTED, "%s: %d parts, at most %d", path, m->part_count, BENCH_MAX_PARTS);
+    return code;
+}
+
+void bench_mesh_close(bench_mesh *m)
+{
+    free(m->parts);
+    *m = (bench_mesh){0};
+}
+
+int bench_bake_table(bytes *file, nacre_image *image, const char *brdf_name, failure *f)
+{
+    table_asset baked;
+    brdf *source;
+    int code = brdf_open(&source, brdf_name, f);
+    if (code) return code;
+    code = table_bake(&baked, source, &(table_options){0}, f);
+    brdf_close(source);
+    if (code) return code;
+    table_write(&baked, file);
+    table_free(&baked);
+    return bench_check(nacre_image_open(image, file->data, file->size), "a baked table", f);
+}
+
+int bench_check(nacre_result r, const char *what, failure *f)
+{
+    return r ? fail(f, FAIL_UNSUPPORTED, "%s: %s", what, nacre_result_text(r)) : FAIL_NONE;
+}
+
+void bench_json_begin(json *j, const gl_headless *gl, int size)
+{
+    json_begin(j, NULL, '{');
+    json_text(j, "renderer", gl_headless_description(gl));
+    json_int(j, "size", size);
+    json_begin(j, "rows", '[');
+}
+
+int bench_json_end(json *j, const char *path, failure *f)
+{
+    json_end(j, ']');
+    json_end(j, '}');
+    return json_write(j, path, f);
 }
 
 void bench_gl_begin(bench_gl *gl)

@@ -10,6 +10,7 @@
 #include "nacre.h"
 
 #define BENCH_MAX_ROUNDS 101
+#define BENCH_MAX_PARTS  16
 
 typedef struct bench_settings { /* from the command line */
     const char *mesh;           /* NULL: not given */
@@ -39,6 +40,26 @@ int bench_measure(int rows, int rounds, int frames, int (*draw)(void *user, int 
 
 /* 1 unless JSON goes to standard output. */
 int bench_prints(const bench_settings *settings);
+
+/* A mesh, cut into parts that one draw each can take. */
+typedef struct bench_mesh {
+    nacre_mesh *parts; /* BENCH_MAX_PARTS at most */
+    int part_count, triangles;
+} bench_mesh;
+
+/* path: a file or a built-in name. Close what was opened; closing zeros is allowed. */
+int bench_mesh_open(bench_mesh *m, const char *path, failure *f);
+void bench_mesh_close(bench_mesh *m);
+
+/* A default table of a BRDF, baked in memory and opened; image borrows file, which bytes_free() frees. */
+int bench_bake_table(bytes *file, nacre_image *image, const char *brdf_name, failure *f);
+
+/* An answer of the runtime as an exit code, with one line that says what was asked for. */
+int bench_check(nacre_result r, const char *what, failure *f);
+
+/* The head of a table's JSON, up to the opened "rows"; end closes and writes it. */
+void bench_json_begin(json *j, const gl_headless *gl, int size);
+int bench_json_end(json *j, const char *path, failure *f);
 
 /* For tables of the GLES backend: glFinish, and a depth test for the frames of an open context. */
 typedef struct bench_gl {

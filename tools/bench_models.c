@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "bench.h"
-#include "mesh.h"
 #include "nacre_asset.h"
 #include "nacre_gles.h"
 #include "sphere_bake.h"
@@ -16,7 +15,7 @@ enum { MAX_ROWS = 32 };
 typedef struct bench_row {
     const char *model;
     int lights;
-    nacre_gles_item item[16];
+    nacre_gles_item item[BENCH_MAX_PARTS];
 } bench_row;
 
 typedef struct bench {
@@ -24,8 +23,7 @@ typedef struct bench {
     nacre_gles *gles;
     void *block;
     bench_gl device;
-    nacre_mesh *parts;
-    int part_count;
+    bench_mesh mesh;
     nacre_image image[3];
     bytes file[3];
     bench_row row[MAX_ROWS];
@@ -63,14 +61,13 @@ static int add_rows(bench *b, failure *f)
 {
     static const char *const names[3] = {"table", "fine", "spheres"};
     static const int lights[] = {1, 2, 4, 8};
-    if (b->part_count > 16) return fail(f, FAIL_UNSUPPORTED, "the mesh needs %d parts, at most 16", b->part_count);
     for (int model = 0; model < 3; model++) {
         nacre_material material = {.model = model == 2 ? NACRE_MODEL_SPHERES : NACRE_MODEL_TABLE};
         material.image[model == 2 ? NACRE_ROLE_SPHERES : NACRE_ROLE_TABLE] = &b->image[model];
-        nacre_gles_item item[16] = {{0}};
-        for (int p = 0; p < b->part_count; p++) {
-            nacre_result r = nacre_gles_add(b->gles, &b->parts[p], &material, &item[p]);
-            if (r) return fail(f, FAIL_UNSUPPORTED, "%s: %s", names[model], nacre_result_text(r));
+        nacre_gles_item item[BENCH_MAX_PARTS] = {{0}};
+        for (int p = 0; p < b->mesh.part_count; p++) {
+            int code = bench_check(nacre_gles_add(b->gles, &b->mesh.parts[p], &material, &item[p]), names[model], f);
+            if (code) return code;
         }
         for (int i = 0; i < 4; i++) {
             bench_row *row = &b->row[b->row_count++];
@@ -90,7 +87,7 @@ static int draw_row(void *user, int index, failure *f)
     nacre_view view;
     bench_view(&view, light, row->lights, 0);
     gl_headless_clear(b->gl, 0, 0, 0, 0);
-    for (int p = 0; p < b->part_count; p++) {
+    for (int p = 0; p < b->mesh.part_count; p++) {
         nacre_result r = nacre_gles_draw(b->gles, row->item[p], &view);
         if (r) return fail(f, FAIL_UNSUPPORTED, "%s, %d lights: %s", row->model, row->lights, nacre_result_text(r));
     }
@@ -100,11 +97,7 @@ static int draw_row(void *user, int index, failure *f)
 
 static int open_bench(bench *b, gl_backend backend, int size, const char *mesh_name, const char *brdf_name, failure *f)
 {
-    mesh m;
-    int code = mesh_open(&m, mesh_name, f);
-    if (code) return code;
-    code = mesh_pack(&m, &b->parts, &b->part_count, f);
-    mesh_free(&m);
+    int code = bench_mesh_open(&b->mesh, mesh_name, f);
     if (code || (code = bake_images(b, brdf_name, f))) return code;
     if ((code = gl_headless_open(&b->gl, backend, size, size, f))) return code;
     bench_gl_begin(&b->device);
@@ -122,7 +115,7 @@ static void close_bench(bench *b)
     if (b->gl) gl_headless_close(b->gl);
     for (int i = 0; i < 3; i++) bytes_free(&b->file[i]);
     free(b->block);
-    free(b->parts);
+    bench_mesh_close(&b->mesh);
 }
 
 static void print_rows(const bench *b, int rounds, int size, const char *mesh_name)
@@ -137,22 +130,17 @@ static void print_rows(const bench *b, int rounds, int size, const char *mesh_na
 static int write_json(const bench *b, int size, const char *mesh_name, const char *path, failure *f)
 {
     json j = {0};
-    json_begin(&j, NULL, '{');
-    json_text(&j, "renderer", gl_headless_description(b->gl));
-    json_text(&j, "mesh", mesh_name);
-    json_int(&j, "size", size);
-    json_begin(&j, "rows", '[');
+    bench_json_begin(&j, b->gl, size);
     for (int i = 0; i < b->row_count; i++) {
         json_begin(&j, NULL, '{');
+        json_text(&j, "mesh", mesh_name);
         json_text(&j, "model", b->row[i].model);
         json_int(&j, "lights", b->row[i].lights);
         json_real(&j, "cpu_ms", b->time[i].cpu_ms);
         json_real(&j, "wall_ms", b->time[i].wall_ms);
         json_end(&j, '}');
     }
-    json_end(&j, ']');
-    json_end(&j, '}');
-    return json_write(&j, path, f);
+    return bench_json_end(&j, path, f);
 }
 
 int bench_models(const bench_settings *s, failure *f)

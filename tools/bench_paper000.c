@@ -6,12 +6,11 @@
 #include <string.h>
 
 #include "bench.h"
-#include "mesh.h"
 #include "nacre_asset.h"
 #include "nacre_gles.h"
 #include "sbrdf_map.h"
 
-enum { LIGHTS = 3, LOBES = NACRE_MAX_LOBES, ROWS = LIGHTS * LOBES, SIDE = 256, MAX_PARTS = 16 };
+enum { LIGHTS = 3, LOBES = NACRE_MAX_LOBES, ROWS = LIGHTS * LOBES, SIDE = 256 };
 
 /* Frames a second of the paper's table 1, GeForce 4; [lights - 1][lobes - 1]. */
 static const double published[LIGHTS][LOBES] = {{50.7, 29.5, 20.8}, {29.4, 16.2, 11.1}, {20.8, 11.1, 7.57}};
@@ -23,9 +22,8 @@ typedef struct table {
     bench_gl device;
     bytes albedo[LOBES], lobes[LOBES];
     nacre_image albedo_image[LOBES], lobes_image[LOBES];
-    nacre_mesh *parts;
-    int part_count;
-    nacre_gles_item item[LOBES][MAX_PARTS];
+    bench_mesh mesh;
+    nacre_gles_item item[LOBES][BENCH_MAX_PARTS];
     bench_time time[ROWS];
     int draws[ROWS]; /* of each part of the mesh */
 } table;
@@ -48,11 +46,6 @@ static void *counting_proc(void *user, const char *name)
     memcpy(&draw_elements, &proc, sizeof proc);
     memcpy(&proc, &counted, sizeof proc);
     return proc;
-}
-
-static int check(nacre_result r, const char *what, failure *f)
-{
-    return r ? fail(f, FAIL_UNSUPPORTED, "%s: %s", what, nacre_result_text(r)) : FAIL_NONE;
 }
 
 /* Codes that drift from texel to texel, all of them lobes that exist. */
@@ -82,32 +75,26 @@ static int add_material(table *t, int lobes, failure *f)
     const int k = lobes - 1;
     nacre_material material = {.model = NACRE_MODEL_SBRDF};
     make_material(t, lobes);
-    int code = check(nacre_image_open(&t->albedo_image[k], t->albedo[k].data, t->albedo[k].size), "albedo", f);
-    if (!code) code = check(nacre_image_open(&t->lobes_image[k], t->lobes[k].data, t->lobes[k].size), "lobes", f);
+    int code = bench_check(nacre_image_open(&t->albedo_image[k], t->albedo[k].data, t->albedo[k].size), "albedo", f);
+    if (!code) code = bench_check(nacre_image_open(&t->lobes_image[k], t->lobes[k].data, t->lobes[k].size), "lobes", f);
     material.image[NACRE_ROLE_ALBEDO] = &t->albedo_image[k];
     material.image[NACRE_ROLE_LOBES] = &t->lobes_image[k];
-    for (int i = 0; i < t->part_count && !code; i++)
-        code = check(nacre_gles_add(t->gles, &t->parts[i], &material, &t->item[k][i]), "material", f);
+    for (int i = 0; i < t->mesh.part_count && !code; i++)
+        code = bench_check(nacre_gles_add(t->gles, &t->mesh.parts[i], &material, &t->item[k][i]), "material", f);
     return code;
 }
 
 static int open_table(table *t, const bench_settings *s, failure *f)
 {
-    const char *path = s->mesh ? s->mesh : "teapot";
-    mesh m;
-    int code = mesh_open(&m, path, f);
+    int code = bench_mesh_open(&t->mesh, s->mesh ? s->mesh : "teapot", f);
     if (code) return code;
-    code = mesh_pack(&m, &t->parts, &t->part_count, f);
-    mesh_free(&m);
-    if (code) return code;
-    if (t->part_count > MAX_PARTS)
-        return fail(f, FAIL_UNSUPPORTED, "%s: %d parts, at most %d", path, t->part_count, MAX_PARTS);
     setenv("LP_NUM_THREADS", "0", 0); /* Mesa's rasteriser in this thread */
     if ((code = gl_headless_open(&t->gl, s->backend, s->size, s->size, f))) return code;
     bench_gl_begin(&t->device);
-    const nacre_gles_desc desc = {.get_proc = counting_proc, .max_items = LOBES * MAX_PARTS, .max_programs = 2 * ROWS};
+    const nacre_gles_desc desc = {
+        .get_proc = counting_proc, .max_items = LOBES * BENCH_MAX_PARTS, .max_programs = 2 * ROWS};
     t->block = need_memory(1, nacre_gles_size(&desc));
-    code = check(nacre_gles_init(&t->gles, t->block, nacre_gles_size(&desc), &desc), "the GLES backend", f);
+    code = bench_check(nacre_gles_init(&t->gles, t->block, nacre_gles_size(&desc), &desc), "the GLES backend", f);
     for (int lobes = 1; lobes <= LOBES && !code; lobes++) code = add_material(t, lobes, f);
     return code;
 }
@@ -121,9 +108,9 @@ static int draw_row(void *user, int row, failure *f)
     bench_view(&view, light, row / LOBES + 1, 0);
     gl_headless_clear(t->gl, 0, 0, 0, 0);
     draw_count = 0;
-    for (int i = 0; i < t->part_count && !code; i++)
-        code = check(nacre_gles_draw(t->gles, t->item[row % LOBES][i], &view), "draw", f);
-    t->draws[row] = draw_count / t->part_count;
+    for (int i = 0; i < t->mesh.part_count && !code; i++)
+        code = bench_check(nacre_gles_draw(t->gles, t->item[row % LOBES][i], &view), "draw", f);
+    t->draws[row] = draw_count / t->mesh.part_count;
     t->device.finish();
     return code;
 }
@@ -156,10 +143,7 @@ static void print_tables(const table *t, int size, int rounds)
 static int write_json(const table *t, int size, const char *path, failure *f)
 {
     json j = {0};
-    json_begin(&j, NULL, '{');
-    json_text(&j, "renderer", gl_headless_description(t->gl));
-    json_int(&j, "size", size);
-    json_begin(&j, "rows", '[');
+    bench_json_begin(&j, t->gl, size);
     for (int n = 1; n <= LIGHTS; n++)
         for (int k = 1; k <= LOBES; k++) {
             json_begin(&j, NULL, '{');
@@ -172,9 +156,7 @@ static int write_json(const table *t, int size, const char *path, failure *f)
             json_int(&j, "published_passes", 2 * n * k);
             json_end(&j, '}');
         }
-    json_end(&j, ']');
-    json_end(&j, '}');
-    return json_write(&j, path, f);
+    return bench_json_end(&j, path, f);
 }
 
 int bench_paper000(const bench_settings *s, failure *f)
@@ -191,7 +173,7 @@ int bench_paper000(const bench_settings *s, failure *f)
         bytes_free(&t.albedo[k]);
         bytes_free(&t.lobes[k]);
     }
-    free(t.parts);
+    bench_mesh_close(&t.mesh);
     free(t.block);
     return code;
 }

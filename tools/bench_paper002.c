@@ -8,17 +8,14 @@
 #include <unistd.h>
 
 #include "bench.h"
-#include "mesh.h"
 #include "nacre_gles.h"
-#include "table_bake.h"
 
-enum { MAX_MESHES = 2, MAX_ROWS = MAX_MESHES * 16, MAX_LIGHTS = 64, MAX_PARTS = 16 };
+enum { MAX_MESHES = 2, MAX_ROWS = MAX_MESHES * 16, MAX_LIGHTS = 64 };
 
 typedef struct shape {
     const char *name;
-    nacre_mesh *parts;
-    int part_count;
-    nacre_gles_item item[MAX_PARTS];
+    bench_mesh mesh;
+    nacre_gles_item item[BENCH_MAX_PARTS];
 } shape;
 
 typedef struct row {
@@ -50,29 +47,17 @@ typedef struct table {
     int job_count;
 } table;
 
-static int check(nacre_result r, const char *what, failure *f)
-{
-    return r ? fail(f, FAIL_UNSUPPORTED, "%s: %s", what, nacre_result_text(r)) : FAIL_NONE;
-}
-
 /* ---- rows ---------------------------------------------------------------------------------------- */
 
 static int add_shape(table *t, const char *path, const char *name, failure *f)
 {
     const nacre_material material = {.model = NACRE_MODEL_TABLE, .image[NACRE_ROLE_TABLE] = &t->image};
     shape *s = &t->shape[t->shape_count];
-    mesh m;
-    int code = mesh_open(&m, path, f);
-    if (code) return code;
-    code = mesh_pack(&m, &s->parts, &s->part_count, f);
-    mesh_free(&m);
-    if (code) return code;
+    int code = bench_mesh_open(&s->mesh, path, f);
     t->shape_count++;
     s->name = name;
-    if (s->part_count > MAX_PARTS)
-        return fail(f, FAIL_UNSUPPORTED, "%s: %d parts, at most %d", path, s->part_count, MAX_PARTS);
-    for (int i = 0; i < s->part_count && !code; i++)
-        code = check(nacre_gles_add(t->gles, &s->parts[i], &material, &s->item[i]), name, f);
+    for (int i = 0; i < s->mesh.part_count && !code; i++)
+        code = bench_check(nacre_gles_add(t->gles, &s->mesh.parts[i], &material, &s->item[i]), name, f);
     return code;
 }
 
@@ -83,7 +68,7 @@ static int add_row(table *t, const shape *s, int lit, int moving, int lights, in
     *r = (row){.of = s, .moving = moving, .lights = lights, .budget = budget};
     t->job[t->job_count++] = (job){r, 0};
     if (moving) t->job[t->job_count++] = (job){r, 1};
-    return lit ? check(nacre_gles_lit_add(t->gles, &material, NULL, &r->lit), "lit sphere", f) : FAIL_NONE;
+    return lit ? bench_check(nacre_gles_lit_add(t->gles, &material, NULL, &r->lit), "lit sphere", f) : FAIL_NONE;
 }
 
 static int add_rows(table *t, const shape *s, int budget, failure *f)
@@ -107,12 +92,13 @@ static int run_job(void *user, int index, failure *f)
     const nacre_gles_lit none = {0};
     int code = FAIL_NONE;
     bench_view(&view, light, r->lights, r->moving ? 0.01 * r->frame++ : 0);
-    if (r->lit.id) code = check(nacre_gles_lit_update(t->gles, r->lit, NULL, &view, (unsigned)r->budget), "update", f);
+    if (r->lit.id)
+        code = bench_check(nacre_gles_lit_update(t->gles, r->lit, NULL, &view, (unsigned)r->budget), "update", f);
     if (!t->job[index].update_only) {
         gl_headless_clear(t->gl, 0, 0, 0, 0);
-        for (int i = 0; i < r->of->part_count && !code; i++) {
+        for (int i = 0; i < r->of->mesh.part_count && !code; i++) {
             nacre_gles_use_lit(t->gles, r->of->item[i], r->lit, none);
-            code = check(nacre_gles_draw(t->gles, r->of->item[i], &view), "draw", f);
+            code = bench_check(nacre_gles_draw(t->gles, r->of->item[i], &view), "draw", f);
         }
     }
     t->device.finish();
@@ -131,23 +117,14 @@ static void take_times(table *t)
 
 static int open_table(table *t, const bench_settings *s, const char *brdf_name, failure *f)
 {
-    brdf *source;
-    table_asset asset;
-    const table_options options = {0};
-    int code = brdf_open(&source, brdf_name, f);
+    int code = bench_bake_table(&t->file, &t->image, brdf_name, f);
     if (code) return code;
-    code = table_bake(&asset, source, &options, f);
-    brdf_close(source);
-    if (code) return code;
-    table_write(&asset, &t->file);
-    table_free(&asset);
-    if ((code = check(nacre_image_open(&t->image, t->file.data, t->file.size), "baked table", f))) return code;
     setenv("LP_NUM_THREADS", "0", 0); /* Mesa's rasteriser in this thread */
     if ((code = gl_headless_open(&t->gl, s->backend, s->size, s->size, f))) return code;
     bench_gl_begin(&t->device);
     const nacre_gles_desc desc = {.get_proc = gl_headless_proc, .max_items = 64, .max_programs = 32};
     t->block = need_memory(1, nacre_gles_size(&desc));
-    return check(nacre_gles_init(&t->gles, t->block, nacre_gles_size(&desc), &desc), "the GLES backend", f);
+    return bench_check(nacre_gles_init(&t->gles, t->block, nacre_gles_size(&desc), &desc), "the GLES backend", f);
 }
 
 /* The given mesh, or the paper's two. */
@@ -166,7 +143,7 @@ static void close_table(table *t)
 {
     if (t->gles) nacre_gles_shutdown(t->gles);
     if (t->gl) gl_headless_close(t->gl);
-    for (int i = 0; i < t->shape_count; i++) free(t->shape[i].parts);
+    for (int i = 0; i < t->shape_count; i++) bench_mesh_close(&t->shape[i].mesh);
     bytes_free(&t->file);
     free(t->block);
 }
@@ -190,10 +167,7 @@ static void print_table(const table *t, int size, int rounds)
 static int write_json(const table *t, int size, const char *path, failure *f)
 {
     json j = {0};
-    json_begin(&j, NULL, '{');
-    json_text(&j, "renderer", gl_headless_description(t->gl));
-    json_int(&j, "size", size);
-    json_begin(&j, "rows", '[');
+    bench_json_begin(&j, t->gl, size);
     for (int i = 0; i < t->row_count; i++) {
         const row *r = &t->row[i];
         json_begin(&j, NULL, '{');
@@ -206,9 +180,7 @@ static int write_json(const table *t, int size, const char *path, failure *f)
         json_real(&j, "update_ms", r->update.cpu_ms);
         json_end(&j, '}');
     }
-    json_end(&j, ']');
-    json_end(&j, '}');
-    return json_write(&j, path, f);
+    return bench_json_end(&j, path, f);
 }
 
 int bench_paper002(const bench_settings *s, failure *f)
