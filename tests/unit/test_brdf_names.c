@@ -13,6 +13,7 @@
 
 /* before cmocka.h, which defines a macro fail() */
 #include "brdf.h"
+#include "brdf_kit.h"
 #include "models.h"
 #include "published.h"
 
@@ -20,14 +21,6 @@
 
 static const double pi = 3.14159265358979323846;
 static const double normal[3] = {0, 0, 1};
-
-static brdf *open_name(const char *name)
-{
-    brdf *b = NULL;
-    failure f = {0};
-    if (brdf_open(&b, name, &f)) fail_msg("%s: %s", name, f.text);
-    return b;
-}
 
 /* The answer is one line with all of words ('|' between them) and the code; nothing is opened. */
 static void refused(const char *name, int code, const char *words)

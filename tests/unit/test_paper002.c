@@ -15,6 +15,7 @@
 #include <string.h>
 
 /* before cmocka.h, which defines a macro fail() */
+#include "brdf_kit.h"
 #include "metric.h"
 #include "nacre_asset.h"
 #include "pixels.h"
@@ -61,14 +62,6 @@ static void add(tally *t, double db)
 static double mean(const tally *t)
 {
     return t->sum / t->count;
-}
-
-static brdf *open_name(const char *name)
-{
-    brdf *b = NULL;
-    failure f = {0};
-    if (brdf_open(&b, name, &f)) fail_msg("%s: %s", name, f.text);
-    return b;
 }
 
 static void bake(sphere_asset *s, const brdf *b, const sphere_options *o)

@@ -12,6 +12,7 @@
 #include <string.h>
 
 /* before cmocka.h, which defines a macro fail() */
+#include "brdf_kit.h"
 #include "metric.h"
 #include "nacre_asset.h"
 #include "quarter_fit.h"
@@ -21,38 +22,6 @@
 #include <cmocka.h>
 
 static const double pi = 3.14159265358979323846;
-
-static brdf *open_name(const char *name)
-{
-    brdf *b = NULL;
-    failure f = {0};
-    if (brdf_open(&b, name, &f)) fail_msg("%s: %s", name, f.text);
-    return b;
-}
-
-static sphere_asset bake(const char *name, const sphere_options *o)
-{
-    brdf *b = open_name(name);
-    sphere_asset s;
-    failure f = {0};
-    if (sphere_bake(&s, b, o, &f)) fail_msg("%s: %s", name, f.text);
-    brdf_close(b);
-    return s;
-}
-
-static double random_unit(uint32_t *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return (*state >> 8) / 16777216.0;
-}
-
-static void random_direction(uint32_t *state, double d[3])
-{
-    double z = random_unit(state), azimuth = 2 * pi * random_unit(state), across = sqrt(1 - z * z);
-    d[0] = across * cos(azimuth);
-    d[1] = across * sin(azimuth);
-    d[2] = z;
-}
 
 /* ---- coordinates ---------------------------------------------------------------------------- */
 
@@ -79,7 +48,7 @@ static void places(void **state)
 static void lambert(void **state)
 {
     (void)state;
-    sphere_asset s = bake("lambert:albedo=.5", NULL);
+    sphere_asset s = bake_spheres("lambert:albedo=.5", NULL);
     assert_int_equal(s.size, 32);
     assert_int_equal(s.layers, 6);
     assert_int_equal(s.levels, 1);
@@ -144,7 +113,7 @@ static void agrees_with_second_decoder(void **state)
     const sphere_options cases[] = {
         {.size = 32}, {.size = 12, .images = 2}, {.size = 17, .polar = {20, 60, 150}, .polar_count = 3}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sphere_asset s = bake("sgd:gold-metallic-paint", &cases[k]);
+        sphere_asset s = bake_spheres("sgd:gold-metallic-paint", &cases[k]);
         brdf *d = sphere_brdf(&s, NULL);
         uint32_t seed = 11;
         int used = 0;
@@ -170,7 +139,7 @@ static void agrees_with_second_decoder(void **state)
 static void reciprocal_and_mirrored(void **state)
 {
     (void)state;
-    sphere_asset s = bake("sgd:brass", &(sphere_options){.size = 16});
+    sphere_asset s = bake_spheres("sgd:brass", &(sphere_options){.size = 16});
     brdf *d = sphere_brdf(&s, NULL);
     uint32_t seed = 5;
     for (int i = 0; i < 2000; i++) {
@@ -269,7 +238,7 @@ static void accuracy(void **state)
         brdf *b = open_name(names[n]);
         double db[ROWS];
         for (int i = 0; i < ROWS; i++) {
-            sphere_asset s = bake(names[n], &rows[i].options);
+            sphere_asset s = bake_spheres(names[n], &rows[i].options);
             brdf *d = sphere_brdf(&s, NULL);
             metric_result r;
             metric_compare(b, d, 0, &r);
@@ -291,7 +260,7 @@ static void deterministic(void **state)
     int threads = omp_get_max_threads();
     for (int i = 0; i < 2; i++) {
         omp_set_num_threads(i ? 3 : 1);
-        sphere_asset s = bake("sgd:chrome", &(sphere_options){.size = 16});
+        sphere_asset s = bake_spheres("sgd:chrome", &(sphere_options){.size = 16});
         sphere_write(&s, &file[i]);
         sphere_free(&s);
     }

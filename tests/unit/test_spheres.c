@@ -12,6 +12,7 @@
 
 /* before cmocka.h, which defines a macro fail() */
 #include "asset.h"
+#include "brdf_kit.h"
 #include "etc1.h"
 #include "ktx2_write.h"
 #include "metric.h"
@@ -20,39 +21,6 @@
 #include <cmocka.h>
 
 static const double pi = 3.14159265358979323846;
-
-static brdf *open_name(const char *name)
-{
-    brdf *b = NULL;
-    failure f = {0};
-    if (brdf_open(&b, name, &f)) fail_msg("%s: %s", name, f.text);
-    return b;
-}
-
-static sphere_asset bake(const char *name, const sphere_options *o)
-{
-    brdf *b = open_name(name);
-    sphere_asset s;
-    failure f = {0};
-    if (sphere_bake(&s, b, o, &f)) fail_msg("%s: %s", name, f.text);
-    brdf_close(b);
-    return s;
-}
-
-static double random_unit(uint32_t *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return (*state >> 8) / 16777216.0;
-}
-
-/* A direction above the horizon. */
-static void random_direction(uint32_t *state, double d[3])
-{
-    double z = random_unit(state), azimuth = 2 * pi * random_unit(state), across = sqrt(1 - z * z);
-    d[0] = across * cos(azimuth);
-    d[1] = across * sin(azimuth);
-    d[2] = z;
-}
 
 static double dot(const double a[3], const double b[3])
 {
@@ -71,7 +39,7 @@ static void cross(const double a[3], const double b[3], double out[3])
 static void lambert_without_cosine(void **state)
 {
     (void)state;
-    sphere_asset s = bake("lambert:albedo=.5", &(sphere_options){.mode = SPHERE_COSINE_FREE});
+    sphere_asset s = bake_spheres("lambert:albedo=.5", &(sphere_options){.mode = SPHERE_COSINE_FREE});
     assert_int_equal(s.size, 256);
     assert_int_equal(s.layers, 4);
     assert_int_equal(s.levels, 9);
@@ -105,7 +73,7 @@ static void lambert_with_cosine(void **state)
     (void)state;
     sphere_options o = {.mode = SPHERE_PAPER};
     sphere_decode_options whole = {.shrink = 1};
-    sphere_asset s = bake("lambert:albedo=1", &o);
+    sphere_asset s = bake_spheres("lambert:albedo=1", &o);
     assert_int_equal(s.size, 512);
     assert_float_equal(s.disc, 1, 0);
     brdf *d = sphere_brdf(&s, &whole);
@@ -215,7 +183,7 @@ static void agrees_with_second_decoder(void **state)
         {.size = 40, .polar = {30, 75, 110}, .polar_count = 3, .mode = SPHERE_PAPER},
         {.size = 32, .mode = SPHERE_COSINE_FREE, .polar = {60}, .polar_count = 1}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sphere_asset s = bake("ggx:rough=.4,f0=.5", &cases[k]);
+        sphere_asset s = bake_spheres("ggx:rough=.4,f0=.5", &cases[k]);
         brdf *d = sphere_brdf(&s, NULL);
         uint32_t seed = 3;
         for (int i = 0; i < 20000; i++) {
@@ -242,7 +210,7 @@ static void guards(void **state)
     (void)state;
     for (int mode = 0; mode < 2; mode++) {
         sphere_options o = {.size = 32, .mode = mode ? SPHERE_PAPER : SPHERE_COSINE_FREE};
-        sphere_asset s = bake("ggx:rough=.3,f0=.5", &o);
+        sphere_asset s = bake_spheres("ggx:rough=.3,f0=.5", &o);
         brdf *d = sphere_brdf(&s, NULL);
         const double pairs[][2][3] = {
             {{0, 0, 1}, {0, 0, 1}},          {{0.6, 0, 0.8}, {0.6, 0, 0.8}}, {{1, 0, 1e-9}, {0, 1, 1e-9}}, /* ny = 1 */
@@ -307,7 +275,7 @@ static void stored_angles(void **state)
                                         "ngan-cook-torrance:hematite"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         brdf *b = open_name(names[i]);
-        sphere_asset s = bake(names[i], &(sphere_options){.mode = SPHERE_COSINE_FREE});
+        sphere_asset s = bake_spheres(names[i], &(sphere_options){.mode = SPHERE_COSINE_FREE});
         double db = stored_psnr(b, &s);
         print_message("%-32s %.2f dB at the stored angles\n", names[i], db);
         assert_true(db >= 51);
@@ -322,7 +290,7 @@ static void rotation_sign(void **state)
     (void)state;
     sphere_options o = {.size = 128, .mode = SPHERE_COSINE_FREE};
     brdf *b = open_name("ggx:rough=.3,f0=.5");
-    sphere_asset s = bake("ggx:rough=.3,f0=.5", &o);
+    sphere_asset s = bake_spheres("ggx:rough=.3,f0=.5", &o);
     sphere_decode_options other = {.k = -0.5}, naive = {.k = 1};
     brdf *right = sphere_brdf(&s, NULL), *wrong = sphere_brdf(&s, &other), *whole = sphere_brdf(&s, &naive);
     double exposure = brdf_exposure(b), mse[3] = {0};
@@ -354,7 +322,7 @@ static void layout(void **state)
     (void)state;
     double code[3], rim[3];
     sphere_options o = {.size = 128, .mode = SPHERE_PAPER};
-    sphere_asset paper = bake("ggx:rough=.5,f0=.3", &o), padded;
+    sphere_asset paper = bake_spheres("ggx:rough=.5,f0=.3", &o), padded;
     for (int layer = 0; layer < 4; layer++)
         for (int corner = 0; corner < 4; corner++) {
             texel_codes(&paper, layer, corner & 1 ? 127 : 0, corner & 2 ? 127 : 0, code);
@@ -366,7 +334,7 @@ static void layout(void **state)
     assert_true(code[0] > 0.3);
 
     o.mode = SPHERE_COSINE_FREE;
-    padded = bake("ggx:rough=.5,f0=.3", &o);
+    padded = bake_spheres("ggx:rough=.5,f0=.3", &o);
     assert_float_equal(padded.disc, 120.0 / 128, 0);
     for (int layer = 0; layer < 4; layer++) {
         for (int azimuth = 0; azimuth < 360; azimuth += 45) {
@@ -395,7 +363,7 @@ static void other_formats(void **state)
     brdf *b = open_name("ggx:rough=.4,f0=.3");
     for (int i = 0; i < 2; i++) {
         sphere_options o = {.size = 128, .mode = SPHERE_COSINE_FREE, .format = formats[i]};
-        sphere_asset s = bake("ggx:rough=.4,f0=.3", &o);
+        sphere_asset s = bake_spheres("ggx:rough=.4,f0=.3", &o);
         assert_int_equal(s.levels, 8);
         assert_int_equal(s.level[0].size, 4 * level0[i]);
         assert_int_equal(s.level[6].size, 4 * level6[i]);
@@ -429,7 +397,7 @@ static void round_trip(void **state)
         {.size = 9, .format = NACRE_FORMAT_RGBA8, .polar = {10, 99.5}, .polar_count = 2},
         {.size = 11, .format = NACRE_FORMAT_RGB565, .images = 16}};
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
-        sphere_asset s = bake("ggx:rough=.4,f0=.3", &cases[k]), back;
+        sphere_asset s = bake_spheres("ggx:rough=.4,f0=.3", &cases[k]), back;
         bytes file = {0}, again = {0};
         nacre_image image;
         failure f = {0};
@@ -476,7 +444,7 @@ static void deterministic(void **state)
     int threads = omp_get_max_threads();
     for (int i = 0; i < 2; i++) {
         omp_set_num_threads(i ? 3 : 1);
-        sphere_asset s = bake("sgd:chrome", &o);
+        sphere_asset s = bake_spheres("sgd:chrome", &o);
         sphere_write(&s, &file[i]);
         sphere_free(&s);
     }
