@@ -144,7 +144,7 @@ $(O)/gen/embed: tools/gen/embed.c Makefile
 
 $(O)/embedded/%.c: shaders_gles/% $(O)/gen/embed
 	@mkdir -p $(@D)
-	$(Q)$(O)/gen/embed $< >$@
+	$(Q)$(O)/gen/embed --shader $< >$@
 
 $(O)/embedded/%.c: fixtures/in/% $(O)/gen/embed
 	@mkdir -p $(@D)
