@@ -1,12 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# check_long.sh BUILD: the sweeps that `make test` shortens, over all built-in materials and shader texts, then the readers under libFuzzer
-# for NACRE_FUZZ_SECONDS (60) each.
+# check_long.sh BUILD: the sweeps that `make test` shortens, over all built-in materials and shader texts, then the readers
+# under libFuzzer for NACRE_FUZZ_SECONDS (60) each.
 set -eu
 build=$1
 seconds=${NACRE_FUZZ_SECONDS:-60}
 
-for t in unit/test_paper002 frame/test_fp16 frame/test_compile; do
+for t in unit/test_paper002 unit/test_compare unit/test_lafortune_fit frame/test_fp16 frame/test_compile; do
     echo "== $t, all materials and texts"
     NACRE_LONG=1 "$build/release/tests/$t"
 done
