@@ -124,6 +124,7 @@ $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 # Kernels for one instruction set stand in files of their own; others see empty ones.
 ifneq (,$(filter x86_64% i386% i686%,$(shell $(CC) -dumpmachine 2>/dev/null)))
 $(O)/src/soft/kernels_avx2.o: RUNTIME_FLAGS += -mavx2
+$(O)/src/soft/kernels_sse41.o: RUNTIME_FLAGS += -msse4.1
 endif
 
 $(O)/tools/lib/%.o: tools/lib/%.c Makefile

@@ -18,8 +18,7 @@
  * long. x and y share a word: x in its lower half (shade_pack_xy); z stands apart. shade_normalise makes unit normals.
  * Radiance includes tint, exposure and light power: 65536 is white. One light adds at most 4 white.
  *
- * Every step is defined by 16 x 16 bit products and 32-bit sums, so that variants with SIMD instructions (eval_avx2.c, ...)
- * give the same bits.
+ * Every step is defined by 16 x 16 bit products and 32-bit sums, so that SIMD units (soft/kernels.h) give the same bits.
  */
 #ifndef SHADE_EVAL_H
 #define SHADE_EVAL_H

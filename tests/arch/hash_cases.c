@@ -154,6 +154,13 @@ int main(int argc, char **argv)
 #if defined(__AVX2__)
     if (argc > 2 && !strcmp(argv[2], "avx2")) kernels = &nacre_soft_avx2;
 #endif
+#if defined(__SSE4_1__)
+    if (argc > 2 && !strcmp(argv[2], "sse41")) kernels = &nacre_soft_sse41;
+#endif
+#if defined(__ARM_NEON)
+    if (argc > 2 && !strcmp(argv[2], "neon")) kernels = &nacre_soft_neon;
+#endif
+    if (argc > 2 && strcmp(argv[2], "portable") && kernels == &nacre_soft_portable) return 1;
     while (word()) {
         nacre_material material;
         nacre_soft_item item;

@@ -39,9 +39,12 @@ hashes gcc-O0 gcc -O0
 hashes clang-O0 clang -O0
 hashes clang-O3 clang -O3
 if grep -qw avx2 /proc/cpuinfo 2>/dev/null; then hashes gcc-avx2 gcc "-O2 -mavx2" "" avx2; fi
+if grep -qw sse4_1 /proc/cpuinfo 2>/dev/null; then hashes gcc-sse41 gcc "-O2 -msse4.1" "" sse41; fi
 hashes gcc-sanitize gcc "-O1 -fsanitize=address,undefined -fno-sanitize-recover=undefined"
 hashes aarch64 aarch64-linux-gnu-gcc "-O2 -static" qemu-aarch64
+hashes aarch64-neon aarch64-linux-gnu-gcc "-O2 -static" qemu-aarch64 neon
 hashes armhf arm-linux-gnueabihf-gcc "-O2 -static" qemu-arm
+hashes armhf-neon arm-linux-gnueabihf-gcc "-O2 -static -mfpu=neon" qemu-arm neon
 hashes riscv64 riscv64-linux-gnu-gcc "-O2 -static" qemu-riscv64
 hashes s390x s390x-linux-gnu-gcc "-O2 -static" qemu-s390x
 exit $status

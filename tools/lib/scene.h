@@ -116,7 +116,7 @@ void scene_gles_close(scene_gles *g);
 /* The same by nacre_soft, on all threads. FAIL_UNSUPPORTED: a material or light that it can't draw. */
 int scene_draw_soft(const scene *s, const nacre_material *material, image_u8 *out, failure *f);
 
-/* Inner loops by name: portable, avx2, best (what this CPU has); NULL: none of that name here. */
+/* Inner loops by name: portable, sse41, avx2, neon, best (what this CPU has); NULL: none of that name here. */
 struct nacre_soft_kernels;
 const struct nacre_soft_kernels *scene_soft_kernels(const char *name);
 

@@ -21,14 +21,16 @@ static int check(nacre_result r, const char *what, failure *f)
 
 const nacre_soft_kernels *scene_soft_kernels(const char *name)
 {
-    if (!strcmp(name, "portable")) return &nacre_soft_portable;
+    const int best = !strcmp(name, "best");
+
 #if defined(__x86_64__)
-    if (!strcmp(name, "avx2") || !strcmp(name, "best")) {
-        __builtin_cpu_init();
-        if (__builtin_cpu_supports("avx2")) return &nacre_soft_avx2;
-    }
+    __builtin_cpu_init();
+    if ((best || !strcmp(name, "avx2")) && __builtin_cpu_supports("avx2")) return &nacre_soft_avx2;
+    if ((best || !strcmp(name, "sse41")) && __builtin_cpu_supports("sse4.1")) return &nacre_soft_sse41;
+#elif defined(__ARM_NEON)
+    if (best || !strcmp(name, "neon")) return &nacre_soft_neon;
 #endif
-    return strcmp(name, "best") ? NULL : &nacre_soft_portable;
+    return best || !strcmp(name, "portable") ? &nacre_soft_portable : NULL;
 }
 
 /* Rows y0..y1-1. */
