@@ -17,10 +17,12 @@
 #define BAND_ROWS 512
 #define LIT_SIZE  128
 
-enum { MAX_ROWS = 40, MAX_PARTS = 8, MESHES = 2, MOST_LIGHTS = 64 };
+enum { MAX_ROWS = 64, MAX_PARTS = 8, MESHES = 2, MOST_LIGHTS = 64 };
 
-typedef enum renderer { SOFT_AVX2, SOFT_SCALAR, LLVMPIPE, SOFTPIPE } renderer;
-static const char *const renderer_names[] = {"soft-avx2", "soft-scalar", "llvmpipe", "softpipe"};
+typedef enum renderer { SOFT_AVX2, SOFT_SSE41, SOFT_NEON, SOFT_SCALAR, LLVMPIPE, SOFTPIPE } renderer;
+static const char *const renderer_names[] = {"soft-avx2",   "soft-sse41", "soft-neon",
+                                             "soft-scalar", "llvmpipe",   "softpipe"};
+static const char *const kernel_names[] = {"avx2", "sse41", "neon", "portable"};
 static const char *const mesh_names[MESHES] = {"teapot", "bunny"};
 
 typedef struct cpu_row {
@@ -159,7 +161,7 @@ static nacre_soft_desc soft_desc(const cpu_bench *b, renderer by)
                             .max_lights = NACRE_MAX_LIGHTS};
     int i, k;
 
-    desc.kernels = scene_soft_kernels(by == SOFT_AVX2 ? "avx2" : "portable");
+    desc.kernels = scene_soft_kernels(kernel_names[by]);
     for (i = 0; i < MESHES; i++) {
         uint32_t vertices = 0, triangles = 0;
         for (k = 0; k < b->mesh[i].part_count; k++) {
@@ -278,8 +280,8 @@ static void add_rows(cpu_bench *b)
     int i, k;
 
     for (i = 0; i < MESHES; i++)
-        for (k = 0; k < 3; k++) {
-            if (k == SOFT_AVX2 && !scene_soft_kernels("avx2")) continue;
+        for (k = SOFT_AVX2; k <= LLVMPIPE; k++) {
+            if (k <= SOFT_SCALAR && !scene_soft_kernels(kernel_names[k])) continue;
             add_row(b, (renderer)k, 0, i, 1);
             add_row(b, (renderer)k, 0, i, 8);
             if (k == LLVMPIPE) continue;
