@@ -23,7 +23,7 @@ extern const uint32_t shade_lut_inverse_root[32]; /* of 1..4 */
 extern const uint32_t shade_lut_length[65];       /* 2^14 / sqrt(x / 64), x from 16 on */
 
 #define SHADE_CODE_LOW  29412557 /* .055 x 255 x 2^21 */
-#define SHADE_CODE_MOST 23774    /* its square less SHADE_CODE_LOW is code 255 */
+#define SHADE_CODE_MOST 23774    /* its square less SHADE_CODE_LOW is code 255; anything above is held there */
 
 EVAL_INLINE int32_t eval_x(uint32_t xy)
 {
@@ -35,10 +35,16 @@ EVAL_INLINE int32_t eval_y(uint32_t xy)
     return (int32_t)xy >> 16;
 }
 
+/* Product of two numbers of 16 bits. */
+EVAL_INLINE int32_t eval_mul16(int32_t a, int32_t b)
+{
+    return a * b;
+}
+
 /* Between a node and the next, q31. */
 EVAL_INLINE int32_t eval_between(uint32_t word, int32_t f_q15)
 {
-    return (int32_t)word + (int16_t)(word & 65535u) * f_q15;
+    return (int32_t)word + eval_mul16((int16_t)(word & 65535u), f_q15);
 }
 
 /* (a b + 1/2) >> 15, as pmulhrsw and SQRDMULH do. */
@@ -52,31 +58,43 @@ EVAL_INLINE int32_t eval_least(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* x in 1..2^31: e = floor(log2 x), and the bits below the leading one from bit 31 downwards. */
+/* 0..most; one instruction on ARM where most is 2^n - 1. */
+EVAL_INLINE int32_t eval_clip(int32_t x, int32_t most)
+{
+    return x < 0 ? 0 : x > most ? most : x;
+}
+
+/* x in 1..2^31: the zeros above its leading one, and x without them. */
 typedef struct eval_split {
-    int32_t exponent;
-    uint32_t mantissa;
+    int32_t zeros;
+    uint32_t bits;
 } eval_split;
 
 EVAL_INLINE eval_split eval_split_of(uint32_t x)
 {
-    const int zeros = fx_leading_zeros(x);
     eval_split out;
 
-    out.exponent = 31 - zeros;
-    out.mantissa = x << zeros << 1;
+    out.zeros = fx_leading_zeros(x);
+    out.bits = x << out.zeros;
     return out;
 }
 
-/* Index among 2^bits nodes to an octave, and the fraction behind it. */
+/* Index among 2^bits nodes to an octave, counted from x = 1, and the fraction behind it. */
 EVAL_INLINE int32_t eval_node(eval_split s, int bits)
 {
-    return (s.exponent << bits) + (int32_t)(s.mantissa >> (32 - bits));
+    return (int32_t)(s.bits >> (31 - bits)) - (s.zeros << bits) + (30 << bits);
 }
 
 EVAL_INLINE int32_t eval_fraction(eval_split s, int bits)
 {
-    return (int32_t)(s.mantissa >> (17 - bits) & 32767u);
+    return (int32_t)(s.bits >> (16 - bits) & 32767u);
+}
+
+/* 1 / sqrt of what is left of x = 4^n (1..4), q31. */
+EVAL_INLINE int32_t eval_inverse_root(eval_split s)
+{
+    return eval_between(shade_lut_inverse_root[(~(uint32_t)s.zeros & 1) << 4 | (s.bits >> 27 & 15)],
+                        eval_fraction(s, 4));
 }
 
 /* log2 of x > 0, q12. */
@@ -84,7 +102,7 @@ EVAL_INLINE int32_t eval_log2(uint32_t x)
 {
     const eval_split s = eval_split_of(x);
 
-    return s.exponent * 4096 + (eval_between(shade_lut_log2[s.mantissa >> 28], eval_fraction(s, 4)) >> 19);
+    return (31 - s.zeros) * 4096 + (eval_between(shade_lut_log2[s.bits >> 27 & 15], eval_fraction(s, 4)) >> 19);
 }
 
 /* 4.8th root of x / 2^23, q15; below 2^-14 that of 2^-14. */
@@ -122,6 +140,11 @@ typedef struct eval_surface { /* what every light of a pixel shares */
     int32_t square; /* |n|^2, q28 */
 } eval_surface;
 
+EVAL_INLINE int32_t eval_square_of(const eval_surface *n)
+{
+    return eval_mul16(n->x, n->x) + eval_mul16(n->y, n->y) + eval_mul16(n->z, n->z);
+}
+
 EVAL_INLINE eval_surface eval_surface_of(uint32_t xy, int32_t z)
 {
     eval_surface n;
@@ -129,7 +152,7 @@ EVAL_INLINE eval_surface eval_surface_of(uint32_t xy, int32_t z)
     n.x = eval_x(xy);
     n.y = eval_y(xy);
     n.z = z;
-    n.square = n.x * n.x + n.y * n.y + z * z;
+    n.square = eval_square_of(&n);
     return n;
 }
 
@@ -147,15 +170,13 @@ EVAL_INLINE eval_surface eval_unit(uint32_t xy, int32_t z)
     } else {
         const eval_split s = eval_split_of(square >> 4 ? square >> 4 : 1);
 
-        inverse = eval_between(shade_lut_inverse_root[((uint32_t)s.exponent & 1) << 4 | s.mantissa >> 28],
-                               eval_fraction(s, 4)) >>
-                  16;
-        shift = (s.exponent >> 1) + 3;
+        inverse = eval_inverse_root(s) >> 16;
+        shift = ((31 - s.zeros) >> 1) + 3;
     }
-    n.x = (n.x * inverse + (1 << shift >> 1)) >> shift;
-    n.y = (n.y * inverse + (1 << shift >> 1)) >> shift;
-    n.z = (n.z * inverse + (1 << shift >> 1)) >> shift;
-    n.square = n.x * n.x + n.y * n.y + n.z * n.z;
+    n.x = (eval_mul16(n.x, inverse) + (1 << shift >> 1)) >> shift;
+    n.y = (eval_mul16(n.y, inverse) + (1 << shift >> 1)) >> shift;
+    n.z = (eval_mul16(n.z, inverse) + (1 << shift >> 1)) >> shift;
+    n.square = eval_square_of(&n);
     return n;
 }
 
@@ -178,7 +199,7 @@ int16_t shade_eval_q14(int32_t x_q28);
 
 EVAL_INLINE int32_t eval_dot(const eval_surface *n, uint32_t xy, int32_t z)
 {
-    return n->x * eval_x(xy) + n->y * eval_y(xy) + n->z * z;
+    return eval_mul16(n->x, eval_x(xy)) + eval_mul16(n->y, eval_y(xy)) + eval_mul16(n->z, z);
 }
 
 /* u of the table, q15. |n - h|^2 + 2 eps = |n|^2 + (|h|^2 + 2 eps) - 2 n.h: exact in integers. */
@@ -188,21 +209,6 @@ EVAL_INLINE int32_t eval_column(const shade_table_eval *e, const eval_surface *n
     const int32_t u = ((eval_log2((uint32_t)distance >> 7) - e->log_middle) * e->scale >> 8) + e->at_middle;
 
     return eval_least(u, e->last);
-}
-
-EVAL_INLINE int32_t eval_clip_root(int32_t root_q29)
-{
-    const int32_t root = root_q29 >> 15;
-
-    return root < 0 ? 0 : eval_least(root, 32767);
-}
-
-/* Without the terms of the fine tier no root reaches 2. */
-EVAL_INLINE int32_t eval_lit_root(int32_t root_q29)
-{
-    const int32_t root = root_q29 >> 15;
-
-    return root < 0 ? 0 : root;
 }
 
 /* A light's place in its columns. */
@@ -215,13 +221,14 @@ typedef struct eval_place {
 /* nl: q28 */
 EVAL_INLINE eval_place eval_place_of(const shade_table_eval *e, const eval_surface *n, int32_t nl, int fine)
 {
-    const int32_t u = eval_column(e, n), a = (nl >> 14) - n->z, size = eval_least(a < 0 ? -a : a, e->limit);
+    const int32_t u = eval_column(e, n), a = (nl >> 14) - n->z, limit = e->limit;
+    const int32_t size = fine ? eval_least(a < 0 ? -a : a, limit) : 0;
     eval_place p;
     int32_t shared;
 
     p.f = u & 32767;
     p.w = e->columns + (u >> 15) * (fine ? 8 : 4);
-    p.square = size * size >> 13;
+    p.square = fine ? size * size >> 13 : eval_least((int32_t)((uint32_t)a * (uint32_t)a >> 13), limit * limit >> 13);
     shared = eval_between(p.w[3], p.f) >> 15;
     p.linear = shared * (fine ? 2 * size : p.square) >> 15;
     if (fine) p.linear += ((eval_between(p.w[7], p.f) >> 15) * (p.square * p.square >> 15)) >> 15;
@@ -231,9 +238,9 @@ EVAL_INLINE eval_place eval_place_of(const shade_table_eval *e, const eval_surfa
 /* Root of pi E f_r l.h x light of channel i, q14, at least 0. */
 EVAL_INLINE int32_t eval_root(const shade_table_eval *e, const eval_place *p, int i, int fine)
 {
-    const int32_t plain = eval_between(p->w[i], p->f) + p->linear * e->phi[i];
+    const int32_t plain = eval_between(p->w[i], p->f) + eval_mul16(p->linear, e->phi[i]);
 
-    return fine ? eval_clip_root(plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square) : eval_lit_root(plain);
+    return eval_clip((fine ? plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square : plain) >> 15, 32767);
 }
 
 #endif

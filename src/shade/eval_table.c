@@ -278,10 +278,10 @@ void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int
 /* y^2 (n.l)^(1/2.4) e - .055 = z^2 - .055 */
 EVAL_INLINE uint32_t code_of(int32_t root, int32_t cosine, int shift)
 {
-    const int32_t z = eval_least(root * cosine >> shift, SHADE_CODE_MOST);
+    const int32_t z = eval_least(root * cosine >> shift, 32767);
     const int32_t code = (z * z - SHADE_CODE_LOW + (1 << 20)) >> 21;
 
-    return (uint32_t)(code < 0 ? 0 : code);
+    return (uint32_t)eval_clip(code, 255);
 }
 
 EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,

@@ -18,10 +18,9 @@ static int64_t root_q28(int64_t x)
 
     if (x <= 0) return 0;
     s = eval_split_of((uint32_t)x);
-    half = s.exponent >> 1;
+    half = (31 - s.zeros) >> 1;
     scaled = x * ((int64_t)1 << (28 - 2 * half)); /* x = 4^half x scaled, which is 1..4 in q28 */
-    inverse = eval_between(shade_lut_inverse_root[((uint32_t)s.exponent & 1) << 4 | s.mantissa >> 28],
-                           eval_fraction(s, 4)); /* 1 / root of scaled, q31 */
+    inverse = eval_inverse_root(s);               /* 1 / root of scaled, q31 */
     inverse = fx_shift(inverse * (3 * ((int64_t)1 << 30) - fx_shift(fx_shift(inverse * inverse, 32) * scaled, 28)), 31);
     root = fx_shift(scaled * inverse, 31);
     return half < 14 ? fx_shift(root, 14 - half) : root;

@@ -92,7 +92,6 @@ static void set_pixels(soft_pixels *out, const nacre_soft *soft, int y0, int y1,
     out->row0 = y0;
     out->x0 = soft->scissor[0];
     out->x1 = soft->scissor[2];
-    memset(out->xy, 0x80, count * 4);
     memset(out->depth, 0xFF, count * 2);
 }
 

@@ -14,9 +14,9 @@
 #include "eval_persp.h"
 #include "nacre_soft.h"
 
-/* What nothing covers; no normal looks so. */
-#define SOFT_EMPTY 0x80808080u
+/* Depth of what nothing covers. Among blended pixels, which leave depth as it is: their normal; no other looks so. */
 #define SOFT_FAR   65535u
+#define SOFT_EMPTY 0x80808080u
 
 #define SOFT_MOST_DEPTH ((int32_t)65533 << 15)
 

@@ -118,13 +118,16 @@ static void shade_run(const nacre_soft *soft, const soft_item *item, const soft_
 
 static void clear_run(const nacre_soft *soft, int32_t x, int32_t y, int32_t count, uint8_t *to)
 {
-    const unsigned bytes = soft_pixel_bytes(soft->desc.format);
-    uint32_t rgba[BATCH];
-    int32_t i;
+    const size_t all = (size_t)count * soft_pixel_bytes(soft->desc.format);
+    const uint32_t rgba[4] = {soft->clear, soft->clear, soft->clear, soft->clear};
+    size_t done, more;
 
-    for (i = 0; i < BATCH; i++) rgba[i] = soft->clear;
-    for (; count > 0; count -= BATCH, x += BATCH, to += BATCH * bytes)
-        soft_store(&soft->desc, x, y, rgba, count < BATCH ? count : BATCH, to);
+    /* four pixels, where dither begins again; then what is there, twice as much each time */
+    soft_store(&soft->desc, x, y, rgba, count < 4 ? count : 4, to);
+    for (done = 4 * soft_pixel_bytes(soft->desc.format); done < all; done += more) {
+        more = done < all - done ? done : all - done;
+        memcpy(to + done, to, more);
+    }
 }
 
 static uint32_t mixed(uint32_t under, uint32_t over, uint32_t alpha)
@@ -165,23 +168,28 @@ void soft_blend_row(const nacre_soft *soft, const soft_item *item, const soft_pi
     }
 }
 
-/* How many of the pixels at p are covered by what covers the first, or empty as it is. */
+/* How many of the pixels from `at` on are covered by what covers the first, or empty as it is. */
 static int32_t run_length(const soft_pixels *from, uint32_t at, int32_t most)
 {
-    const uint32_t *p = from->xy + at;
-    const uint32_t *const end = p + most;
-    const uint8_t *owner = from->item ? from->item + at : 0;
+    const uint16_t *const depth = from->depth + at;
+    const uint8_t *const owner = from->item ? from->item + at : 0;
+    int32_t i = 1;
 
-    if (*p == SOFT_EMPTY) {
-        while (++p < end && *p == SOFT_EMPTY) continue;
-    } else if (!owner) {
-        while (++p < end && *p != SOFT_EMPTY) continue;
-    } else {
-        const uint8_t first = *owner;
-
-        while (++p < end && *p != SOFT_EMPTY && *++owner == first) continue;
+    if (*depth == SOFT_FAR) {
+        for (; i + 4 <= most; i += 4)
+            if ((depth[i] & depth[i + 1] & depth[i + 2] & depth[i + 3]) != SOFT_FAR) break;
+        while (i < most && depth[i] == SOFT_FAR) i++;
+        return i;
     }
-    return (int32_t)(p - (from->xy + at));
+    for (; i + 4 <= most; i += 4)
+        if (depth[i] == SOFT_FAR || depth[i + 1] == SOFT_FAR || depth[i + 2] == SOFT_FAR || depth[i + 3] == SOFT_FAR)
+            break;
+    while (i < most && depth[i] != SOFT_FAR) i++;
+    if (owner) {
+        most = i;
+        for (i = 1; i < most && owner[i] == owner[0];) i++;
+    }
+    return i;
 }
 
 void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row, void *to)
@@ -195,7 +203,7 @@ void soft_shade_row(const nacre_soft *soft, const soft_pixels *from, int32_t row
         const int32_t count = run_length(from, at, from->x1 - x);
         uint8_t *const out = (uint8_t *)to + (uint32_t)x * bytes;
 
-        if (from->xy[at] == SOFT_EMPTY)
+        if (from->depth[at] == SOFT_FAR)
             clear_run(soft, x, row, count, out);
         else
             shade_run(soft, &soft->item[from->item ? from->item[at] : 0], from, at, x, row, count, out);
