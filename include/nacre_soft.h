@@ -14,7 +14,7 @@
  *
  * Pictures are the same to the bit on every machine and with every set of kernels.
  *
- * Not done: no anti-aliasing, no mip levels, no file or panel access, no threads of its own.
+ * Not done: no anti-aliasing, no mip levels but those of SBRDF materials, no file or panel access, no threads of its own.
  */
 #ifndef NACRE_SOFT_H
 #define NACRE_SOFT_H
@@ -31,7 +31,7 @@ typedef enum nacre_soft_format {
     NACRE_SOFT_RGB565 = 0,     /* 2 bytes, R in bits 15..11 of a native uint16_t */
     NACRE_SOFT_RGB565_SWAPPED, /* 2 bytes, the other byte order: what most SPI panels take from a little-endian CPU */
     NACRE_SOFT_GRAY8,          /* 1 byte: 0.2126 R + 0.7152 G + 0.0722 B of the codes */
-    NACRE_SOFT_RGBA8           /* 4 bytes R G B A in memory; alpha 255 where covered */
+    NACRE_SOFT_RGBA8           /* 4 bytes R G B A in memory; alpha 255 where covered (SBRDF: the opacity) */
 } nacre_soft_format;
 
 /* Inner loops for one instruction set. All give the same pictures. */
@@ -70,7 +70,7 @@ typedef struct nacre_soft_lit {
 typedef struct nacre_soft_lit_desc {
     const nacre_material
         *material;          /* TABLE, or SPHERES without the cosine; texels RGB8 or RGBA8. Its normal map and mask
-                                       are ignored */
+                                       are ignored. SBRDF varies over the surface: there is no sphere of it */
     const nacre_view *view; /* lights (all directional, up to NACRE_MAX_LIT_LIGHTS: `nacre bake lights` makes them of an
                                environment), exposure, ambient, tint, output; camera and object_to_view for the
                                direction to the eye */
@@ -95,21 +95,23 @@ nacre_result nacre_soft_lit_rows(const nacre_soft_lit_desc *desc, void *texels, 
 
 typedef enum nacre_soft_cull { NACRE_SOFT_CULL_BACK = 0, NACRE_SOFT_CULL_NONE, NACRE_SOFT_CULL_FRONT } nacre_soft_cull;
 
+/* Materials: TABLE; SPHERES without the cosine, texels RGB8 or RGBA8; SBRDF: x^n is computed (an image of role POWER is not
+   looked at), levels are blended as in GL, the texel's opacity is the alpha where there is no mask. */
 typedef struct nacre_soft_item {
     const nacre_mesh *mesh;         /* borrowed until the last band of the frame is drawn */
-    const nacre_material *material; /* the same; TABLE or SPHERES (without the cosine), texels RGB8 or RGBA8 */
+    const nacre_material *material; /* the same */
     const nacre_soft_lit *lit;      /* (NULL) drawn by this instead of material, which may then be NULL */
     nacre_mat4 object_to_view;      /* this item's; the view's is not used */
     uint8_t cull;                   /* nacre_soft_cull (back faces) */
-    uint8_t alpha_test;             /* (0) pixels whose mask has a lower alpha are not drawn: 1..255 */
-    uint8_t blend;                  /* (0) 1: blended by the mask's alpha over what is there, after all others, as one
+    uint8_t alpha_test;             /* (0) pixels of a lower alpha are not drawn: 1..255 */
+    uint8_t blend;                  /* (0) 1: blended by their alpha over what is there, after all others, as one
                                         surface; several in their order. desc.blend must be 1 */
-    uint8_t clamp, nearest;         /* (0: repeated, bilinear) how the normal map and the mask are read */
+    uint8_t clamp, nearest;         /* (0: repeated, bilinear) how maps are read */
 } nacre_soft_item;
 
 /* Bytes of the object, 0 if desc is not valid; on a 32-bit CPU, each part rounded up to 16:
      128 + 20 max_vertices + the larger of 4 max_triangles (above 65,536: 8) and 2,112 + 4 (bands + 2)
-     + max_items (460 + max_lights (56 + 16 table_columns (fine: 32)))
+     + max_items (480 + max_lights (56 + 16 table_columns (fine: 32)))
    and of the scratch for each band that is drawn at the same time:
      128 + band_rows x width x 8 (several items, or blend: 9).
    320 x 240 RGB565 with 530 vertices, 992 triangles, two band buffers and a lit sphere of 64: 54 KB; 160 x 128 in bands of

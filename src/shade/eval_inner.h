@@ -105,6 +105,17 @@ EVAL_INLINE int32_t eval_log2(uint32_t x)
     return (31 - s.zeros) * 4096 + (eval_between(shade_lut_log2[s.bits >> 27 & 15], eval_fraction(s, 4)) >> 19);
 }
 
+/* 2^x for x in q12 below 30: the whole part of it. */
+EVAL_INLINE uint32_t eval_exp2(int32_t x)
+{
+    const int32_t whole = x >> 12, f = (x & 4095) * 8;
+    /* 2^f = 1 + f (0.6952 + f (0.2260 + 0.0780 f)), 1e-4 */
+    int32_t m = eval_mul_q15(2574, f) + 7427;
+
+    m = 32768 + eval_mul_q15(eval_mul_q15(m, f) + 22767, f);
+    return whole >= 15 ? (uint32_t)m << (whole - 15) : whole < -1 ? 0 : (uint32_t)m >> (15 - whole);
+}
+
 /* 4.8th root of x / 2^23, q15; below 2^-14 that of 2^-14. */
 EVAL_INLINE int32_t eval_root48(int32_t x)
 {

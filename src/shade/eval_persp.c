@@ -3,8 +3,8 @@
 
 #include "eval_inner.h"
 
-#define LOG2_CODE_Q12 61417 /* log2(32640): code 255 x 128 */
-#define MOST_LOG2     (18 * 4096)
+#define LOG2_CODE_Q12 61417       /* log2(32640): code 255 x 128 */
+#define MOST_LOG2     (18 * 4096) /* four times white */
 
 /* ---- set-up --------------------------------------------------------------------------------------------------------- */
 
@@ -76,17 +76,6 @@ void shade_reciprocal(uint32_t x, uint32_t *inverse, int *shift)
 
     *inverse = (uint32_t)((uint64_t)first * (0x80000000u - product) >> 30);
     *shift = 61 - zeros;
-}
-
-/* 2^x for x in q12, as q16; at most four times white. */
-EVAL_INLINE uint32_t exp2_q16(int32_t x)
-{
-    const int32_t held = x > MOST_LOG2 ? MOST_LOG2 : x, whole = held >> 12, f = (held & 4095) * 8;
-    /* 2^f = 1 + f (0.6952 + f (0.2260 + 0.0780 f)), 1e-4 */
-    int32_t m = eval_mul_q15(2574, f) + 7427;
-
-    m = 32768 + eval_mul_q15(eval_mul_q15(m, f) + 22767, f);
-    return whole >= 15 ? (uint32_t)m << (whole - 15) : whole < -1 ? 0 : (uint32_t)m >> (15 - whole);
 }
 
 /* Any vector to q14, its largest part with 13 or 14 bits: the factor is 2^-shift. */
@@ -236,8 +225,10 @@ static void add_pixel(const shade_table_persp *t, const shade_persp_light *light
         eval_log2((uint32_t)nl) - 28 * 4096 - (eval_log2((uint32_t)m.l_dot_h) - 13 * 4096) - in.log2_square + 16 * 4096;
     for (k = 0; k < 3; k++) {
         if (y[k] <= 0 || light->log2_q12[k] <= -64 * 4096) continue;
-        *to[k] += exp2_q16((int32_t)((int64_t)(eval_log2((uint32_t)y[k]) - LOG2_CODE_Q12) * t->p_q12 >> 12) + shared +
-                           light->log2_q12[k]);
+        *to[k] +=
+            eval_exp2(eval_least((int32_t)((int64_t)(eval_log2((uint32_t)y[k]) - LOG2_CODE_Q12) * t->p_q12 >> 12) +
+                                     shared + light->log2_q12[k],
+                                 MOST_LOG2));
     }
 }
 

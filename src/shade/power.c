@@ -3,8 +3,7 @@
    error of interpolation in n. */
 #include "shade.h"
 
-/* -log2(m 2^-31) in q24 for m > 0: at least 0. */
-static int64_t minus_log2_q24(uint32_t m)
+int64_t shade_minus_log2_q24(uint32_t m)
 {
     const int top = fx_top_bit(m);
     const uint32_t fraction = (m << (31 - top)) & 0x7FFFFFFFu; /* q31 above the leading 1 */
@@ -36,14 +35,14 @@ uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16)
 {
     if (x_q28 <= 0) return 0;
     if (x_q28 >= FX_Q28_ONE) return 65536;
-    return exp2_minus_q16(fx_shift(minus_log2_q24((uint32_t)x_q28 << 3) * n_q16, 16));
+    return exp2_minus_q16(fx_shift(shade_minus_log2_q24((uint32_t)x_q28 << 3) * n_q16, 16));
 }
 
 /* x^(n/2) = x'^(n/4) at x' = at / (2 width - 1), q16. at = 2 column + 1 in texel centres. */
 static int32_t power_at(unsigned at, unsigned width, int32_t n_q16)
 {
     const uint32_t last = 2 * width - 1;
-    const int64_t minus_log2 = at < last ? minus_log2_q24(at) - minus_log2_q24(last) : 0;
+    const int64_t minus_log2 = at < last ? shade_minus_log2_q24(at) - shade_minus_log2_q24(last) : 0;
 
     return at ? (int32_t)exp2_minus_q16(fx_shift(minus_log2 * n_q16, 18)) : 0;
 }

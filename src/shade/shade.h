@@ -224,6 +224,8 @@ extern const uint32_t shade_log2_table[257], shade_exp2_table[257];
 
 /* Exponent of a code 0..255 (nacre_asset.h: n = 255 (code/255)^2), q16; worst 1.5 ulp. */
 int32_t shade_exponent_q16(uint32_t code);
+/* -log2(m 2^-31), q24, for m in 1..2^31: 0 or more; worst 5e-6. */
+int64_t shade_minus_log2_q24(uint32_t m);
 /* x^n, q16: 0..65536; x above 1 counts as 1, x at and below 0 gives 0. No division, two table entries each way.
    n q16, 0..255. worst 2^-17 + 1.5e-4 of the value. */
 uint32_t shade_power_q16(int32_t x_q28, int32_t n_q16);

@@ -51,26 +51,47 @@ static int32_t divided(int32_t value, uint32_t inverse, int shift)
     return (int32_t)(((int64_t)value * inverse) >> shift);
 }
 
-static void look_up_place(const mapped *m, int32_t x, int32_t y, int32_t *u, int32_t *v)
+typedef struct texture_place {
+    int32_t u, v;  /* q27 */
+    uint32_t rate; /* the most that either changes a pixel, q27 */
+} texture_place;
+
+static uint32_t larger(uint32_t most, int32_t x)
 {
-    *u = value_at(&m->detail[3], m->t, x, y);
-    *v = value_at(&m->detail[4], m->t, x, y);
+    const uint32_t size = x < 0 ? 0 - (uint32_t)x : (uint32_t)x;
+
+    return size > most ? size : most;
+}
+
+static texture_place look_up_place(const mapped *m, int32_t x, int32_t y)
+{
+    const soft_plane *const uv = &m->detail[3], *const w = &m->nearness;
+    texture_place out = {value_at(&uv[0], m->t, x, y), value_at(&uv[1], m->t, x, y), 0};
+    int32_t slope[4] = {(int32_t)uv[0].dx, (int32_t)uv[0].dy, (int32_t)uv[1].dx, (int32_t)uv[1].dy};
+    int i;
+
     if (!m->flat) {
-        const int32_t near = value_at(&m->nearness, m->t, x, y) >> 8;
+        const int32_t near = value_at(w, m->t, x, y) >> 8;
         uint32_t inverse;
         int shift;
 
         shade_reciprocal((uint32_t)(near < 64 ? 64 : near), &inverse, &shift);
-        *u = divided(*u, inverse, shift - 22);
-        *v = divided(*v, inverse, shift - 22);
+        out.u = divided(out.u, inverse, shift - 22);
+        out.v = divided(out.v, inverse, shift - 22);
+        for (i = 0; i < 4 && m->item->sbrdf; i++) /* (U / w)' = (U' - u w') / w */
+            slope[i] =
+                divided(slope[i] - (int32_t)((int64_t)(i < 2 ? out.u : out.v) * (int32_t)(i & 1 ? w->dy : w->dx) >> 30),
+                        inverse, shift - 22);
     }
-    *v = (int32_t)((1u << 27) - (uint32_t)*v); /* rows run from the top, v upwards */
+    for (i = 0; i < 4; i++) out.rate = larger(out.rate, slope[i]);
+    out.v = (int32_t)((1u << 27) - (uint32_t)out.v); /* rows run from the top, v upwards */
+    return out;
 }
 
 /* The texel's normal in the frame of tangent, bitangent and normal; by a lit sphere half of it and the eye. */
-static void bend(const mapped *m, int32_t x, int32_t y, int32_t u, int32_t v, uint32_t *xy, int16_t *z)
+static void bend(const mapped *m, int32_t x, int32_t y, const texture_place *place, uint32_t *xy, int16_t *z)
 {
-    int32_t code[4], part[3], n[3], sum[3];
+    int32_t code[1][4], part[3], n[3], sum[3];
     uint32_t tangent_xy =
         shade_pack_xy(value_at(&m->detail[0], m->t, x, y) >> 16, value_at(&m->detail[1], m->t, x, y) >> 16);
     int16_t tangent_z = (int16_t)(value_at(&m->detail[2], m->t, x, y) >> 16), out[3];
@@ -84,9 +105,9 @@ static void bend(const mapped *m, int32_t x, int32_t y, int32_t u, int32_t v, ui
     b[0] = (n[1] * t[2] - n[2] * t[1]) >> 14;
     b[1] = (n[2] * t[0] - n[0] * t[2]) >> 14;
     b[2] = (n[0] * t[1] - n[1] * t[0]) >> 14;
-    soft_sample(&m->item->normal_map, u, v, code);
+    soft_sample(&m->item->normal_map, 1, place->u, place->v, code);
     /* 2 code / 255 - 1, q13: codes are x 65536 */
-    for (i = 0; i < 3; i++) part[i] = (int32_t)(((int64_t)code[i] * 2 - 255 * 65536) * 8192 / 65536 * 257 >> 16);
+    for (i = 0; i < 3; i++) part[i] = (int32_t)(((int64_t)code[0][i] * 2 - 255 * 65536) * 8192 / 65536 * 257 >> 16);
     for (i = 0; i < 3; i++)
         sum[i] = (t[i] * part[0] + b[i] * (m->handed < 0 ? -part[1] : part[1]) + n[i] * part[2]) >> 14;
     *xy = shade_pack_xy(sum[0], sum[1]);
@@ -99,26 +120,54 @@ static void bend(const mapped *m, int32_t x, int32_t y, int32_t u, int32_t v, ui
     *z = out[2];
 }
 
+/* Of the mask, or of the material's own texel; q16 codes. */
+static int32_t opacity(const mapped *m, const texture_place *place, shade_sbrdf_codes codes)
+{
+    const soft_texture *const mask = &m->item->mask;
+    int32_t alpha[1][4] = {{0, 0, 0, 255 * 65536}};
+
+    if (m->item->sbrdf) soft_sbrdf_sample(m->item, place->u, place->v, place->rate, codes);
+    if (!mask->texels) return m->item->sbrdf ? codes[0][3] : alpha[0][3];
+    soft_sample(mask, 1, place->u, place->v, alpha);
+    return alpha[0][mask->channels == 2 ? 1 : 3];
+}
+
+/* The pixel's finished code in place of its normal. */
+static void put_code(const mapped *m, int32_t x, int32_t y, int32_t alpha, shade_sbrdf_codes codes,
+                     const soft_pixels *to, uint32_t at)
+{
+    shade_sbrdf_point point;
+    uint32_t code;
+    int i;
+
+    point.normal[0] = (int16_t)(to->xy[at] & 65535u);
+    point.normal[1] = (int32_t)to->xy[at] >> 16;
+    point.normal[2] = to->z[at];
+    for (i = 0; i < 3; i++) point.tangent[i] = value_at(&m->detail[i], m->t, x, y) >> 16;
+    point.mirrored = m->handed < 0;
+    code = soft_sbrdf_shade(m->item, x, y, to->depth[at], codes, &point) | (uint32_t)((alpha + 32768) >> 16) << 24;
+    to->xy[at] = code == SOFT_EMPTY ? code + 1 : code;
+}
+
 static void put(const mapped *m, int32_t x, int32_t y, const soft_pixels *to, unsigned item)
 {
     const uint32_t at = (uint32_t)((y - to->row0) * to->stride + x);
     const uint32_t depth = (uint32_t)value_at(&m->t->plane[0], m->t, x, y) >> 15;
-    int32_t u, v, alpha[4] = {0, 0, 0, 255 * 65536};
-    const soft_texture *const mask = &m->item->mask;
+    shade_sbrdf_codes codes;
+    texture_place place;
+    int32_t alpha;
 
     if (depth >= to->depth[at]) return;
-    look_up_place(m, x, y, &u, &v);
-    if (mask->texels) {
-        soft_sample(mask, u, v, alpha);
-        if (mask->channels == 2) alpha[3] = alpha[1];
-        if (alpha[3] + 32768 < m->item->alpha_least * 65536) return;
-    }
+    place = look_up_place(m, x, y);
+    alpha = opacity(m, &place, codes);
+    if (alpha + 32768 < m->item->alpha_least * 65536) return;
     to->depth[at] = (uint16_t)depth;
     to->xy[at] = (uint32_t)value_at(&m->t->plane[1], m->t, x, y) >> 16 |
                  ((uint32_t)value_at(&m->t->plane[2], m->t, x, y) & 0xFFFF0000u);
     to->z[at] = (int16_t)(value_at(&m->t->plane[3], m->t, x, y) >> 16);
-    if (m->item->normal_map.texels) bend(m, x, y, u, v, &to->xy[at], &to->z[at]);
-    if (to->item) to->item[at] = m->item->blend ? (uint8_t)((alpha[3] + 32768) >> 16) : (uint8_t)item;
+    if (m->item->normal_map.texels) bend(m, x, y, &place, &to->xy[at], &to->z[at]);
+    if (m->item->sbrdf) put_code(m, x, y, alpha, codes, to, at);
+    if (to->item) to->item[at] = m->item->blend ? (uint8_t)((alpha + 32768) >> 16) : (uint8_t)item;
 }
 
 static void fill_part(const mapped *m, soft_edge *left, soft_edge *right, int32_t row, int32_t end,

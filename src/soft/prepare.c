@@ -66,8 +66,7 @@ static nacre_result set_near(preparing *p, soft_item *item, uint32_t index, cons
 
     item->near = light_memory(p->soft, index);
     item->near_light = (shade_persp_light *)(void *)(item->near + 1);
-    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, material->early, texels) ||
-        !soft_lens_set(&item->lens, p->soft, &p->view, frame))
+    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, material->early, texels))
         return NACRE_ERR_UNSUPPORTED;
     for (i = 0; i < frame->light_count; i++) {
         shade_persp_light_prepare(&item->near_light[item->lights], &p->view.lights[i], &frame->light[i],
@@ -96,6 +95,24 @@ static nacre_result set_spheres(const nacre_soft *soft, soft_item *item, uint32_
     return NACRE_OK;
 }
 
+static nacre_result set_sbrdf(const preparing *p, soft_item *item, uint32_t index, const shade_material *material,
+                              const nacre_soft_item *from)
+{
+    const shade_frame *const frame = p->soft->frame;
+    int i;
+
+    item->albedo = from->material->image[NACRE_ROLE_ALBEDO];
+    item->lobes = from->material->image[NACRE_ROLE_LOBES];
+    item->sbrdf = light_memory(p->soft, index);
+    item->sbrdf_light = (shade_sbrdf_eval_light *)(void *)(item->sbrdf + 1);
+    shade_sbrdf_eval_prepare(item->sbrdf, &material->is.sbrdf, frame);
+    for (i = 0; i < frame->light_count; i++) {
+        shade_sbrdf_light_prepare(&item->sbrdf_light[item->lights], &p->view.lights[i], &frame->light[i], frame);
+        item->lights += !item->sbrdf_light[item->lights].dark;
+    }
+    return NACRE_OK;
+}
+
 static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, const nacre_soft_item *from)
 {
     const nacre_soft *const soft = p->soft;
@@ -105,11 +122,13 @@ static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, 
 
     if (r) return r;
     if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
-    if (material.model == NACRE_MODEL_SBRDF) return NACRE_ERR_UNSUPPORTED;
     shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, shade_needs_persp(view), 2);
     memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
     item->output = view->output;
-    if (soft->frame->persp)
+    item->persp = soft->frame->persp;
+    if (item->persp && !soft_lens_set(&item->lens, soft, view, soft->frame)) return NACRE_ERR_UNSUPPORTED;
+    if (material.model == NACRE_MODEL_SBRDF) return set_sbrdf(p, item, index, &material, from);
+    if (item->persp)
         return material.model == NACRE_MODEL_TABLE
                    ? set_near(p, item, index, &material, from->material->image[NACRE_ROLE_TABLE])
                    : NACRE_ERR_UNSUPPORTED;
@@ -158,7 +177,8 @@ static nacre_result set_maps(const preparing *p, soft_item *item, const nacre_so
         if (!r && item->normal_map.texels && item->normal_map.channels < 3) r = NACRE_ERR_UNSUPPORTED;
         if (!r) r = set_texture(&item->mask, from->material->image[NACRE_ROLE_MASK], flags);
     }
-    item->mapped = item->normal_map.texels || item->mask.texels || item->blend;
+    item->texture_flags = (uint8_t)flags;
+    item->mapped = item->normal_map.texels || item->mask.texels || item->blend || item->sbrdf;
     return r;
 }
 

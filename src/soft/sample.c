@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Texels of normal maps and masks: repeated or clamped, bilinear or nearest. */
+/* Texels of maps: repeated or clamped, bilinear or nearest. */
 #include "soft.h"
 
 /* Texel and its neighbour along an axis, and the way between them (q8). uv: q27, 2^27 is one repetition. */
@@ -30,17 +30,19 @@ static place place_of(int32_t uv_q27, uint32_t size, unsigned flags)
     return p;
 }
 
-void soft_sample(const soft_texture *t, int32_t u_q27, int32_t v_q27, int32_t out[4])
+void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t v_q27, int32_t (*out)[4])
 {
     const place x = place_of(u_q27, t->width, t->flags), y = place_of(v_q27, t->height, t->flags);
-    const uint8_t *const top = t->texels + y.at * t->width * t->channels;
-    const uint8_t *const low = t->texels + y.next * t->width * t->channels;
+    const uint32_t row = (uint32_t)t->width * t->channels;
+    const uint8_t *top = t->texels + y.at * row, *low = t->texels + y.next * row;
     unsigned i;
 
-    for (i = 0; i < t->channels; i++) {
-        const uint32_t a = x.at * t->channels + i, b = x.next * t->channels + i;
-        const int32_t upper = top[a] * 256 + (top[b] - top[a]) * x.f, lower = low[a] * 256 + (low[b] - low[a]) * x.f;
+    for (; layers; layers--, out++, top += row * t->height, low += row * t->height)
+        for (i = 0; i < t->channels; i++) {
+            const uint32_t a = x.at * t->channels + i, b = x.next * t->channels + i;
+            const int32_t upper = top[a] * 256 + (top[b] - top[a]) * x.f;
+            const int32_t lower = low[a] * 256 + (low[b] - low[a]) * x.f;
 
-        out[i] = upper * 256 + (lower - upper) * y.f;
-    }
+            (*out)[i] = upper * 256 + (lower - upper) * y.f;
+        }
 }

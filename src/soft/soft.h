@@ -2,7 +2,8 @@
 /*
  * soft - the rasteriser. prepare.c: a frame's items; transform.c: vertices; clip.c: triangles that leave the frustum;
  * bins.c: triangles into bands; setup.c: one triangle's edges and planes; raster.c: its pixels' depth and normals;
- * span.c: normals into pixels; store.c: pixel formats; band.c: one band.
+ * span.c: normals into pixels; store.c: pixel formats; band.c: one band. mapped.c: triangles with textures; sbrdf.c: pixels of
+ * materials that vary over the surface, which are shaded as they are rasterised.
  *
  * Screen positions are 28.4 from the upper left corner, y down; a pixel's sample is at its centre. A pixel belongs to a
  * triangle when its centre is inside, on a left edge or on a top edge.
@@ -12,6 +13,7 @@
 
 #include "eval.h"
 #include "eval_persp.h"
+#include "eval_sbrdf.h"
 #include "nacre_soft.h"
 
 /* Depth of what nothing covers. Among blended pixels, which leave depth as it is: their normal; no other looks so. */
@@ -114,9 +116,14 @@ typedef struct soft_item {
     shade_table_persp *near; /* directions per pixel: the table, and its lights */
     shade_persp_light *near_light;
     soft_lens lens;
+    shade_sbrdf_eval *sbrdf; /* pixels are finished codes; and its lights */
+    shade_sbrdf_eval_light *sbrdf_light;
+    const nacre_image *albedo, *lobes;
     soft_texture normal_map, mask;
-    uint8_t mapped;      /* drawn by mapped.c */
-    uint8_t alpha_least; /* mask alpha below it is not drawn */
+    uint8_t texture_flags; /* of albedo and lobes */
+    uint8_t persp;         /* directions per pixel: the lens is set */
+    uint8_t mapped;        /* drawn by mapped.c */
+    uint8_t alpha_least;   /* mask alpha below it is not drawn */
     uint8_t blend;
 } soft_item;
 
@@ -192,8 +199,15 @@ void soft_detail_of(const soft_item *item, uint32_t index, soft_detail *out);
 void soft_draw_mapped(const soft_item *item, const soft_vertex *const corner[3], const soft_detail *const detail[3],
                       const soft_pixels *to, unsigned index);
 
-/* sample.c: codes x 65536 at u v (q27 a repetition; rows from the top) */
-void soft_sample(const soft_texture *t, int32_t u_q27, int32_t v_q27, int32_t out[4]);
+/* sample.c: codes x 65536 at u v (q27 a repetition; rows from the top) of some layers, one behind the other in memory */
+void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t v_q27, int32_t (*out)[4]);
+
+/* sbrdf.c */
+/* Texel of a material that varies. rate: the most that u or v changes a pixel. */
+void soft_sbrdf_sample(const soft_item *item, int32_t u_q27, int32_t v_q27, uint32_t rate_q27, shade_sbrdf_codes out);
+/* Code of a pixel at depth `depth`, without its alpha. */
+uint32_t soft_sbrdf_shade(const soft_item *item, int32_t x, int32_t y, uint16_t depth, shade_sbrdf_codes codes,
+                          shade_sbrdf_point *point);
 
 /* lens.c */
 /* 0: a camera whose axes are skewed. */

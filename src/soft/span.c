@@ -74,6 +74,10 @@ static void shade_batch(const nacre_soft *soft, const soft_item *item, const sof
     const shade_rgb radiance = {sum[0], sum[1], sum[2]};
     int i;
 
+    if (item->sbrdf) {
+        memcpy(rgba, xy, (size_t)count * sizeof *rgba);
+        return;
+    }
     if (item->one_code) {
         k->table_code(item->table, xy, z, count, rgba);
         return;

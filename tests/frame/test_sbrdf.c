@@ -27,6 +27,9 @@
 static const compare_bound fp32 = {-3, 3, 0, 0.01}, fp16 = {-6, 6, 0, 0.01}, bumpy = {-3, 3, 0.004, 0.01},
                            bumpy_fp16 = {-6, 6, 0.004, 0.01};
 static const double most_mean = 0.5;
+/* The CPU renderer: rounding down in every step, and 1 / n.l of that where square roots are steep. Normal maps: one step of
+   a normal's 14 bits in a highlight of n = 255. */
+static const compare_bound integers = {-2, 2, 0, 0.01};
 
 static uint32_t state;
 static double uniform(double low, double high)
@@ -101,8 +104,9 @@ static const struct {
 enum { CASES = sizeof cases / sizeof *cases, SEEDS = 6 };
 
 typedef struct run {
-    const driver *d;
-    scene_gles *g;
+    const char *name;
+    int size, half;
+    scene_gles *g; /* NULL: the CPU renderer */
     mesh sphere;
     case_asset bumpy; /* for its normal map */
     const char *power;
@@ -112,7 +116,8 @@ typedef struct run {
 static void draw_case(run *r, int index, int lobes, unsigned seed)
 {
     const frame_case *c = &cases[index].frame;
-    const compare_bound *const bound = r->d->half      ? c->normal_map ? &bumpy_fp16 : &fp16
+    const compare_bound *const bound = !r->g           ? &integers
+                                       : r->half       ? c->normal_map ? &bumpy_fp16 : &fp16
                                        : c->normal_map ? &bumpy
                                                        : &fp32;
     char name[120];
@@ -126,13 +131,13 @@ static void draw_case(run *r, int index, int lobes, unsigned seed)
     paint(&map, seed, lobes, cases[index].direction);
     material_open(&m, &map);
     if (c->normal_map) m.runtime.image[NACRE_ROLE_NORMAL] = &r->bumpy.normal_image;
-    case_scene(&s, c, &r->sphere, r->d->size, r->d->size);
-    if (scene_gles_draw(r->g, &s, &m.runtime, &actual, &f) ||
+    case_scene(&s, c, &r->sphere, r->size, r->size);
+    if ((r->g ? scene_gles_draw(r->g, &s, &m.runtime, &actual, &f) : scene_draw_soft(&s, &m.runtime, &actual, &f)) ||
         scene_draw_double(&s, m.exact, NULL, c->normal_map ? &r->bumpy.normal_map : NULL, &expected, &f)) {
         printf("%s\n", f.text);
         exit(1);
     }
-    snprintf(name, sizeof name, "sbrdf %s, %s, %s, %d lobes, seed %u", r->d->name, c->name, r->power, lobes, seed);
+    snprintf(name, sizeof name, "sbrdf %s, %s, %s, %d lobes, seed %u", r->name, c->name, r->power, lobes, seed);
     r->failed += !compare_frames(name, &actual, &expected, 1, bound, &result);
     if (result.mean > most_mean) {
         printf("%s: mean %.3f\n", name, result.mean);
@@ -143,28 +148,61 @@ static void draw_case(run *r, int index, int lobes, unsigned seed)
     material_close(&m);
 }
 
+static void run_begin(run *r, const char *name, int size)
+{
+    failure f = {0};
+
+    *r = (run){.name = name, .size = size};
+    case_asset_open(&r->bumpy, CASE_TABLE, "lambert:albedo=.5", 1, NULL);
+    if (mesh_open(&r->sphere, "sphere", &f)) exit(1);
+}
+
+static void run_end(run *r)
+{
+    mesh_free(&r->sphere);
+    case_asset_close(&r->bumpy);
+}
+
+static void draw_cases(run *r)
+{
+    for (int i = 0; i < CASES; i++)
+        for (int lobes = 1; lobes <= 3; lobes++)
+            for (unsigned seed = 0; seed < (i ? 2 : SEEDS); seed++) draw_case(r, i, lobes, seed + (unsigned)i);
+}
+
 static int run_driver(int index)
 {
     static const char *const names[] = {"auto", "pow", "table"};
-    run r = {.d = &drivers[index]};
+    const driver *const d = &drivers[index];
     failure f = {0};
+    run r;
 
-    case_asset_open(&r.bumpy, CASE_TABLE, "lambert:albedo=.5", 1, NULL);
-    if (mesh_open(&r.sphere, "sphere", &f)) return 1;
+    run_begin(&r, d->name, d->size);
+    r.half = d->half;
     for (int power = NACRE_GLES_POWER_COMPUTED; power <= NACRE_GLES_POWER_TABLE; power++) {
-        if (scene_gles_open_power(&r.g, r.d->backend, power, r.d->size, r.d->size, &f)) {
-            printf("SKIPPED: driver %s: %s\n", r.d->name, f.text);
+        if (scene_gles_open_power(&r.g, d->backend, power, d->size, d->size, &f)) {
+            printf("SKIPPED: driver %s: %s\n", d->name, f.text);
             return DRIVER_SKIPPED;
         }
         r.power = names[power];
-        for (int i = 0; i < CASES; i++)
-            for (int lobes = 1; lobes <= 3; lobes++)
-                for (unsigned seed = 0; seed < (i ? 2 : SEEDS); seed++) draw_case(&r, i, lobes, seed + (unsigned)i);
+        draw_cases(&r);
         scene_gles_close(r.g);
     }
-    mesh_free(&r.sphere);
-    case_asset_close(&r.bumpy);
+    run_end(&r);
     return r.failed ? 1 : 0;
+}
+
+/* The CPU renderer: powers by tables of logarithms. */
+static void test_soft(void **state_)
+{
+    run r;
+
+    (void)state_;
+    run_begin(&r, "soft", 160);
+    r.power = "logarithms";
+    draw_cases(&r);
+    run_end(&r);
+    assert_int_equal(r.failed, 0);
 }
 
 static void test_driver(void **state_)
@@ -177,12 +215,12 @@ static void test_driver(void **state_)
 
 int main(int argc, char **argv)
 {
-    struct CMUnitTest tests[8];
+    struct CMUnitTest tests[8] = {cmocka_unit_test(test_soft)};
     const char *argument;
     const int index = driver_of_arguments(argc, argv, &argument);
 
     if (index >= 0) return run_driver(index);
     for (int i = 0; i < driver_count; i++)
-        tests[i] = (struct CMUnitTest){drivers[i].name, test_driver, NULL, NULL, (void *)(intptr_t)i};
-    return _cmocka_run_group_tests("sbrdf", tests, (size_t)driver_count, NULL, NULL);
+        tests[1 + i] = (struct CMUnitTest){drivers[i].name, test_driver, NULL, NULL, (void *)(intptr_t)i};
+    return _cmocka_run_group_tests("sbrdf", tests, 1 + (size_t)driver_count, NULL, NULL);
 }

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/* Pixels of materials that vary over the surface: texels of two levels, then light. No scratch could hold what such a pixel
+   needs until its row is shaded, so they are shaded where they are rasterised. */
+#include "eval_inner.h"
+#include "soft.h"
+
+/* Albedo and lobes of one level. */
+static void sample_level(const soft_item *item, unsigned level, int32_t u, int32_t v, shade_sbrdf_codes out)
+{
+    const nacre_image *const image = item->albedo;
+    soft_texture t;
+
+    t.width = (uint16_t)(image->width >> level ? image->width >> level : 1);
+    t.height = (uint16_t)(image->height >> level ? image->height >> level : 1);
+    t.channels = 4;
+    t.flags = item->texture_flags;
+    t.texels = image->bytes + image->level_offset[level];
+    soft_sample(&t, 1, u, v, out);
+    t.texels = item->lobes->bytes + item->lobes->level_offset[level];
+    soft_sample(&t, item->lobes->layers, u, v, out + 1);
+}
+
+/* log2 of the texels of level 0 that a pixel steps over, q12, within what levels there are. */
+static int32_t level_of(const soft_item *item, uint32_t rate_q27)
+{
+    const uint32_t width = item->albedo->width, height = item->albedo->height;
+    const uint64_t texels = (uint64_t)rate_q27 * (width > height ? width : height) >> 15; /* q12 */
+    const int32_t last = (item->albedo->levels - 1) * 4096;
+
+    if (texels <= 4096) return 0;
+    return eval_least(texels >> 31 ? last : eval_log2((uint32_t)texels) - 12 * 4096, last);
+}
+
+void soft_sbrdf_sample(const soft_item *item, int32_t u_q27, int32_t v_q27, uint32_t rate_q27, shade_sbrdf_codes out)
+{
+    const int nearest = (item->texture_flags & SOFT_NEAREST) != 0;
+    const int32_t lod = level_of(item, rate_q27) + (nearest ? 2048 : 0), part = lod & 4095;
+    const unsigned level = (unsigned)lod >> 12;
+    shade_sbrdf_codes next;
+    unsigned i, k;
+
+    sample_level(item, level, u_q27, v_q27, out);
+    if (nearest || !part) return;
+    sample_level(item, level + 1, u_q27, v_q27, next);
+    for (i = 0; i <= item->lobes->layers; i++)
+        for (k = 0; k < 4; k++) out[i][k] += ((next[i][k] - out[i][k]) >> 8) * (part >> 4);
+}
+
+uint32_t soft_sbrdf_shade(const soft_item *item, int32_t x, int32_t y, uint16_t depth, shade_sbrdf_codes codes,
+                          shade_sbrdf_point *point)
+{
+    int32_t *const position[3] = {&point->position_q16[0], &point->position_q16[1], &point->position_q16[2]};
+    uint32_t radiance[3], eye_xy = 0, rgba;
+    const shade_rgb sum = {&radiance[0], &radiance[1], &radiance[2]};
+    int16_t eye_z = 16384;
+
+    if (item->persp) soft_lens_look(item, x, y, &depth, 1, position, &eye_xy, &eye_z);
+    point->to_eye[0] = (int16_t)(eye_xy & 65535u);
+    point->to_eye[1] = (int32_t)eye_xy >> 16;
+    point->to_eye[2] = eye_z;
+    shade_sbrdf_shade(item->sbrdf, item->sbrdf_light, item->lights, codes, point, radiance);
+    shade_encode(sum, 1, (nacre_output)item->output, &rgba);
+    return rgba & 0xFFFFFFu;
+}
