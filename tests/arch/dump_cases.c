@@ -106,6 +106,8 @@ static int put_case(const frame_case *c)
     file_of(asset.material.image[NACRE_ROLE_TABLE]);
     file_of(asset.material.image[NACRE_ROLE_SPHERES]);
     file_of(asset.material.image[NACRE_ROLE_NORMAL]);
+    file_of(asset.material.image[NACRE_ROLE_ALBEDO]);
+    file_of(asset.material.image[NACRE_ROLE_LOBES]);
     put_mesh(&parts[0]);
     free(parts);
     scene_numbers_close(&numbers);

@@ -146,7 +146,7 @@ static int draw(const nacre_soft_item *item, const nacre_view *view, unsigned fo
 int main(int argc, char **argv)
 {
     const nacre_soft_kernels *kernels = &nacre_soft_portable;
-    nacre_image image[3];
+    nacre_image image[5];
     nacre_light lights[8];
 
     in = argc > 1 ? fopen(argv[1], "rb") : NULL;
@@ -175,6 +175,8 @@ int main(int argc, char **argv)
         material.image[NACRE_ROLE_TABLE] = file_of(&image[0]);
         material.image[NACRE_ROLE_SPHERES] = file_of(&image[1]);
         material.image[NACRE_ROLE_NORMAL] = file_of(&image[2]);
+        material.image[NACRE_ROLE_ALBEDO] = file_of(&image[3]);
+        material.image[NACRE_ROLE_LOBES] = file_of(&image[4]);
         get_mesh(&mesh);
         item.mesh = &mesh;
         item.material = &material;

@@ -179,7 +179,8 @@ static void kernels_agree(const world *w, int round, const uint32_t *first)
 
 static void random_worlds(void **state)
 {
-    static const case_model models[] = {CASE_TABLE, CASE_FINE, CASE_TABLE_P4, CASE_SPHERES};
+    static const case_model models[] = {CASE_TABLE,   CASE_FINE,  CASE_TABLE_P4, CASE_SPHERES,
+                                        CASE_QUARTER, CASE_SBRDF, CASE_SBRDF2,   CASE_SBRDF3};
     enum { MODELS = sizeof models / sizeof *models };
     const int rounds = getenv("NACRE_LONG") ? 50000 : 1500;
     static world w;

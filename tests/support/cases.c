@@ -8,6 +8,7 @@
 
 #include "ktx2_write.h"
 #include "nacre_asset.h"
+#include "sbrdf_map.h"
 #include "sphere_bake.h"
 #include "table_bake.h"
 
@@ -366,6 +367,51 @@ const frame_case frame_cases[] = {
      .normal_map = 1,
      .fp32 = &mesh_sum,
      .fp16 = &mesh_half},
+    {.name = "sbrdf 1 lobe 1 light", .model = CASE_SBRDF, .lights = 1, .exposure = 1, .fp32 = &sum, .fp16 = &half},
+    {.name = "sbrdf 2 lobes 3 lights sqrt",
+     .model = CASE_SBRDF2,
+     .lights = 3,
+     .output = SQRT,
+     .exposure = 1,
+     .fp32 = &root,
+     .fp16 = &half},
+    {.name = "sbrdf 3 lobes 8 lights",
+     .model = CASE_SBRDF3,
+     .lights = 8,
+     .exposure = .5,
+     .tint = .7,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "sbrdf 3 lobes perspective 1 light, 1 point",
+     .model = CASE_SBRDF3,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .points = 1,
+     .exposure = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "sbrdf 2 lobes distant viewer",
+     .model = CASE_SBRDF2,
+     .camera = CASE_DISTANT,
+     .lights = 2,
+     .exposure = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "sbrdf 1 lobe normal map",
+     .model = CASE_SBRDF,
+     .lights = 2,
+     .normal_map = 1,
+     .exposure = 1,
+     .fp32 = &bump,
+     .fp16 = &half},
+    {.name = "torus sbrdf 2 lobes perspective",
+     .model = CASE_SBRDF2,
+     .mesh = "torus",
+     .camera = CASE_PERSPECTIVE,
+     .lights = 2,
+     .exposure = 1,
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "lit 1 light", .brdf = GOLD, .lights = 1, .lit = 256, .fp32 = &lit_256, .fp16 = &half_lit},
     {.name = "lit 1 light at 110",
      .brdf = YELLOW,
@@ -531,6 +577,60 @@ static int is_spheres(case_model model)
     return model == CASE_SPHERES || model == CASE_PAPER || model == CASE_QUARTER || model == CASE_QUARTER_ETC1;
 }
 
+static int sbrdf_lobes(case_model model)
+{
+    return model == CASE_SBRDF ? 1 : model == CASE_SBRDF2 ? 2 : model == CASE_SBRDF3 ? 3 : 0;
+}
+
+/* Codes that change slowly and repeat at the edges, so that the steps of a texture filter do not show: a forward lobe, an
+   anisotropic off-specular one, a retroreflective one. */
+static void paint(sbrdf_map *m, int lobes)
+{
+    enum { SIDE = 8 };
+    static const int shape[3][4] = {{20, 20, 240, 150}, {12, 70, 220, 110}, {225, 225, 235, 60}};
+    int i, j, c;
+
+    sbrdf_map_make(m, SIDE, SIDE, lobes, lobes < 3, 1);
+    m->albedo_most = .6;
+    for (i = 0; i < SIDE * SIDE; i++) {
+        const double x = 2 * PI * (i % SIDE) / SIDE, y = 2 * PI * (i / SIDE) / SIDE;
+
+        for (c = 0; c < 4; c++) m->albedo[0][4 * i + c] = (uint8_t)(c < 3 ? 90 + 40 * sin(x + c) * cos(y) : 255);
+        for (j = 0; j < lobes; j++) {
+            uint8_t *albedo = m->lobe[0] + 4 * (2 * j * SIDE * SIDE + i), *codes = albedo + 4 * SIDE * SIDE;
+
+            for (c = 0; c < 4; c++) albedo[c] = (uint8_t)(c < 3 ? 120 + 50 * cos(x + j) * sin(y + c) : 255);
+            for (c = 0; c < 4; c++) codes[c] = (uint8_t)(shape[j][c] + (c == 3 ? 12 : 5) * sin(x - j) * sin(y));
+        }
+        if (!m->has_direction) continue;
+        m->lobe[0][4 * i + 3] = (uint8_t)(128 + 90 * cos(.4 * sin(y) + .5));
+        m->lobe[0][4 * (2 * SIDE * SIDE + i) + 3] = (uint8_t)(128 + 90 * sin(.4 * sin(y) + .5));
+    }
+    m->most[0] = 1.2;
+    m->shape_most[0] = 1.1;
+}
+
+static void open_or_exit(nacre_image *image, const bytes *file, const char *name)
+{
+    if (!nacre_image_open(image, file->data, file->size)) return;
+    fprintf(stderr, "%s: nacre_image_open refuses its own file\n", name);
+    exit(1);
+}
+
+static void open_sbrdf(case_asset *a, case_model model)
+{
+    sbrdf_map m;
+
+    paint(&m, sbrdf_lobes(model));
+    sbrdf_map_write(&m, &a->file, &a->lobes_file);
+    a->decoded = sbrdf_map_brdf(&m);
+    open_or_exit(&a->image, &a->file, "albedo");
+    open_or_exit(&a->lobes_image, &a->lobes_file, "lobes");
+    a->material.model = NACRE_MODEL_SBRDF;
+    a->material.image[NACRE_ROLE_ALBEDO] = &a->image;
+    a->material.image[NACRE_ROLE_LOBES] = &a->lobes_image;
+}
+
 static void bake(bytes *file, case_model model, const char *brdf_name)
 {
     const table_options table[CASE_MODEL_COUNT] = {
@@ -562,10 +662,7 @@ static void decode(case_asset *a, case_model model, const char *name)
     failure f = {0};
     int k;
 
-    if (nacre_image_open(&a->image, a->file.data, a->file.size)) {
-        fprintf(stderr, "%s: nacre_image_open refuses its own bake\n", name);
-        exit(1);
-    }
+    open_or_exit(&a->image, &a->file, name);
     if (is_spheres(model)) {
         sphere_asset s;
         need(sphere_read(&s, &a->image, name, &f), &f);
@@ -606,10 +703,7 @@ static void make_normal_map(case_asset *a)
     ktx2_key_text(&k, NACRE_KEY_TRANSFER, "linear");
     ktx2_write(&k, &a->normal_file);
     ktx2_free(&k);
-    if (nacre_image_open(&a->normal_image, a->normal_file.data, a->normal_file.size)) {
-        fprintf(stderr, "normal map: nacre_image_open refuses its own file\n");
-        exit(1);
-    }
+    open_or_exit(&a->normal_image, &a->normal_file, "normal map");
     a->material.image[NACRE_ROLE_NORMAL] = &a->normal_image;
 }
 
@@ -619,13 +713,17 @@ void case_asset_open(case_asset *out, case_model model, const char *brdf_name, i
     failure f = {0};
 
     *out = (case_asset){0};
+    if (normal_map) make_normal_map(out);
+    if (sbrdf_lobes(model)) {
+        open_sbrdf(out, model);
+        return;
+    }
     if (directory) snprintf(path, sizeof path, "%s/%d-%s", directory, model, brdf_name);
     if (!directory || file_read(&out->file, path, &f)) {
         bake(&out->file, model, brdf_name);
         if (directory) need(output_write_raw(path, &out->file, &f), &f);
     }
     decode(out, model, brdf_name);
-    if (normal_map) make_normal_map(out);
 }
 
 void case_asset_close(case_asset *a)
@@ -633,5 +731,6 @@ void case_asset_close(case_asset *a)
     brdf_close(a->decoded);
     bytes_free(&a->file);
     bytes_free(&a->normal_file);
+    bytes_free(&a->lobes_file);
     image_u8_free(&a->normal_map);
 }

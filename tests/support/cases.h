@@ -15,6 +15,9 @@ typedef enum case_model {
     CASE_PAPER,   /* 0,45,90,135 at 512 */
     CASE_QUARTER, /* default: 6 quarters of 32 */
     CASE_QUARTER_ETC1,
+    CASE_SBRDF,  /* one lobe, turned; these three: 8 x 8 texels painted here, no BRDF */
+    CASE_SBRDF2, /* the second anisotropic and turned */
+    CASE_SBRDF3,
     CASE_MODEL_COUNT
 } case_model;
 
@@ -45,8 +48,8 @@ extern const int frame_case_count;
 
 /* A baked file in memory and its decoding in double. Points into itself: leave it where it is. */
 typedef struct case_asset {
-    bytes file, normal_file;
-    nacre_image image, normal_image;
+    bytes file, normal_file, lobes_file;
+    nacre_image image, normal_image, lobes_image;
     nacre_material material;
     image_u8 normal_map;
     brdf *decoded;
