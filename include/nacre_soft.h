@@ -40,7 +40,10 @@ extern const nacre_soft_kernels nacre_soft_portable;
 #if defined(__x86_64__) || defined(__i386__)
 extern const nacre_soft_kernels nacre_soft_avx2;  /* for CPUs that have AVX2 ... */
 extern const nacre_soft_kernels nacre_soft_sse41; /* ... or SSE4.1; the caller asks the CPU */
-#elif defined(__ARM_NEON)
+#elif defined(__ARM_FEATURE_DSP) && defined(__thumb2__)
+extern const nacre_soft_kernels nacre_soft_dsp; /* Cortex-M4, M7, M33, ...; little-endian */
+#endif
+#if defined(__ARM_NEON)
 extern const nacre_soft_kernels nacre_soft_neon; /* every AArch64; ARMv7 built with NEON. Little-endian */
 #endif
 

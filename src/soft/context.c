@@ -4,8 +4,8 @@
 
 #include <string.h>
 
-const nacre_soft_kernels nacre_soft_portable = {soft_draw,        shade_normalise, shade_table_add,
-                                                shade_table_code, shade_encode,    soft_lit};
+const nacre_soft_kernels nacre_soft_portable = {
+    soft_draw, shade_normalise, shade_table_add, shade_table_code, shade_encode, soft_lit, 0};
 
 static nacre_soft_desc with_defaults(const nacre_soft_desc *desc)
 {

@@ -524,7 +524,7 @@ static void draw(const soft_vertex *const corner[3], int cull, const soft_pixels
 
 #define KERNELS                                                                                                        \
     {                                                                                                                  \
-        draw, normalise, table_add, table_code, encode, soft_lit                                                       \
+        draw, normalise, table_add, table_code, encode, soft_lit, 0                                                    \
     }
 
 #endif

@@ -107,9 +107,10 @@ typedef struct soft_item {
     soft_camera camera;
     uint32_t first_vertex, first_triangle, triangle_count; /* in the frame's numbering */
     uint8_t cull;
-    uint8_t lights;   /* that add something */
-    uint8_t one_code; /* display codes at once */
-    uint8_t output;   /* nacre_output */
+    uint8_t lights;    /* that add something */
+    uint8_t one_code;  /* display codes at once */
+    uint8_t codes_565; /* and RGB565 */
+    uint8_t output;    /* nacre_output */
     fx_real ambient[3];
     shade_table_eval *table; /* of every light; NULL */
     shade_spheres_eval *spheres;
@@ -135,6 +136,8 @@ struct nacre_soft_kernels {
     void (*table_code)(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba);
     void (*encode)(shade_rgb radiance, int count, nacre_output output, uint32_t *rgba);
     void (*lit)(const nacre_soft_lit *lit, const uint32_t *xy, const int16_t *z, int count, unsigned bytes, void *to);
+    /* NULL: table_code and soft_store. RGB565 without dither at once; eval: of one layer, not dark */
+    void (*table_565)(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, uint16_t *to);
 };
 
 struct nacre_soft {
@@ -226,6 +229,8 @@ void soft_blend_row(const nacre_soft *soft, const soft_item *item, const soft_pi
 /* store.c */
 unsigned soft_pixel_bytes(unsigned format);
 void soft_load(const nacre_soft_desc *desc, const void *from, int count, uint32_t *rgba);
+uint16_t soft_565(uint32_t rgba);            /* nearest, native */
+void soft_swap(uint16_t *pixels, int count); /* the other byte order */
 void soft_store(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, void *to);
 
 #endif

@@ -108,6 +108,11 @@ static void shade_run(const nacre_soft *soft, const soft_item *item, const soft_
         soft->desc.kernels->lit(item->lit, from->xy + at, from->z + at, count, bytes, to);
         return;
     }
+    if (item->codes_565) {
+        soft->desc.kernels->table_565(item->table, from->xy + at, from->z + at, count, (uint16_t *)(void *)to);
+        if (soft->desc.format == NACRE_SOFT_RGB565_SWAPPED) soft_swap((uint16_t *)(void *)to, count);
+        return;
+    }
     while (count > 0) {
         const int32_t now = count < BATCH ? count : BATCH;
 

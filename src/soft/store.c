@@ -26,22 +26,28 @@ static uint32_t rgb565(uint32_t c, uint32_t threshold)
 }
 
 /* The same without a threshold: nearest, in two instructions a channel. */
-static uint32_t rgb565_nearest(uint32_t c)
+uint16_t soft_565(uint32_t c)
 {
-    return (((c & 255) * 249 + 1014) >> 11) << 11 | (((c >> 8 & 255) * 253 + 505) >> 10) << 5 |
-           ((c >> 16 & 255) * 249 + 1014) >> 11;
+    return (uint16_t)((((c & 255) * 249 + 1014) >> 11) << 11 | (((c >> 8 & 255) * 253 + 505) >> 10) << 5 |
+                      ((c >> 16 & 255) * 249 + 1014) >> 11);
+}
+
+void soft_swap(uint16_t *pixels, int count)
+{
+    int i;
+
+    for (i = 0; i < count; i++) pixels[i] = (uint16_t)(pixels[i] >> 8 | pixels[i] << 8);
 }
 
 static void store_565(const nacre_soft_desc *desc, int32_t x, int32_t y, const uint32_t *rgba, int count, uint16_t *to)
 {
-    const int swap = desc->format == NACRE_SOFT_RGB565_SWAPPED;
     int i;
 
     if (desc->dither)
         for (i = 0; i < count; i++) to[i] = (uint16_t)rgb565(rgba[i], pattern[y & 3][(x + i) & 3]);
     else
-        for (i = 0; i < count; i++) to[i] = (uint16_t)rgb565_nearest(rgba[i]);
-    for (i = 0; i < count && swap; i++) to[i] = (uint16_t)(to[i] >> 8 | to[i] << 8);
+        for (i = 0; i < count; i++) to[i] = soft_565(rgba[i]);
+    if (desc->format == NACRE_SOFT_RGB565_SWAPPED) soft_swap(to, count);
 }
 
 static void store_rgba(const uint32_t *rgba, int count, uint8_t *to)

@@ -160,6 +160,9 @@ int main(int argc, char **argv)
 #if defined(__ARM_NEON)
     if (argc > 2 && !strcmp(argv[2], "neon")) kernels = &nacre_soft_neon;
 #endif
+#if defined(__ARM_FEATURE_DSP) && defined(__thumb2__)
+    if (argc > 2 && !strcmp(argv[2], "dsp")) kernels = &nacre_soft_dsp;
+#endif
     if (argc > 2 && strcmp(argv[2], "portable") && kernels == &nacre_soft_portable) return 1;
     while (word()) {
         nacre_material material;

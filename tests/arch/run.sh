@@ -44,6 +44,7 @@ hashes gcc-sanitize gcc "-O1 -fsanitize=address,undefined -fno-sanitize-recover=
 hashes aarch64 aarch64-linux-gnu-gcc "-O2 -static" qemu-aarch64
 hashes aarch64-neon aarch64-linux-gnu-gcc "-O2 -static" qemu-aarch64 neon
 hashes armhf arm-linux-gnueabihf-gcc "-O2 -static" qemu-arm
+hashes armhf-dsp arm-linux-gnueabihf-gcc "-O2 -static -mthumb -march=armv7-a+fp" qemu-arm dsp
 hashes armhf-neon arm-linux-gnueabihf-gcc "-O2 -static -mfpu=neon" qemu-arm neon
 hashes riscv64 riscv64-linux-gnu-gcc "-O2 -static" qemu-riscv64
 hashes s390x s390x-linux-gnu-gcc "-O2 -static" qemu-s390x

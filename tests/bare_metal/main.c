@@ -60,7 +60,11 @@ static const nacre_soft_desc desc = {.width = EXAMPLE_WIDTH,
                                      .band_rows = BAND,
                                      .max_vertices = 1000,
                                      .max_triangles = 1000,
-                                     .table_columns = 24};
+                                     .table_columns = 24,
+#ifdef EXAMPLE_KERNELS
+                                     .kernels = &EXAMPLE_KERNELS
+#endif
+};
 
 static int draw(nacre_soft *soft, nacre_soft_ready *ready)
 {

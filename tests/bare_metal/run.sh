@@ -13,13 +13,17 @@ mkdir -p "$out/host"
 # shellcheck disable=SC2086
 cc -O2 -std=c99 $include -o "$out/host/main" $here/main.c "$out/scene.c" $runtime
 (cd "$out/host" && ./main)
-for target in "cortex-m3 mps2-an385" "cortex-m4 mps2-an386" "cortex-m7 mps2-an500"; do
-    cpu=${target% *} board=${target#* }
+for target in "cortex-m3 mps2-an385 portable" "cortex-m4 mps2-an386 portable" "cortex-m4 mps2-an386 dsp" \
+    "cortex-m7 mps2-an500 dsp"; do
+    # shellcheck disable=SC2086
+    set -- $target
+    cpu=$1 board=$2 kernels=$3
     mkdir -p "$out/$cpu"
     # shellcheck disable=SC2086
-    arm-none-eabi-gcc "$level" -mcpu="$cpu" -mthumb -std=gnu99 -ffunction-sections -fdata-sections $include -nostartfiles \
+    arm-none-eabi-gcc "$level" -mcpu="$cpu" -mthumb -std=gnu99 -ffunction-sections -fdata-sections \
+        -DEXAMPLE_KERNELS=nacre_soft_"$kernels" $include -nostartfiles \
         -Wl,--gc-sections -T $here/link.ld -o "$out/$cpu/main.elf" $here/main.c "$out/scene.c" $runtime
-    echo "== $cpu $level"
+    echo "== $cpu $level $kernels"
     (cd "$out/$cpu" && rm -f frame.rgb565 && timeout 300 qemu-system-arm -M "$board" -nographic \
         -semihosting-config enable=on,target=native -icount shift=0 -kernel main.elf)
     cmp "$out/host/frame.rgb565" "$out/$cpu/frame.rgb565"
