@@ -251,7 +251,9 @@ EVAL_INLINE int32_t eval_root(const shade_table_eval *e, const eval_place *p, in
 {
     const int32_t plain = eval_between(p->w[i], p->f) + eval_mul16(p->linear, e->phi[i]);
 
-    return eval_clip((fine ? plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square : plain) >> 15, 32767);
+    /* without the terms of the fine tier no root reaches 2 */
+    if (!fine) return plain < 0 ? 0 : plain >> 15;
+    return eval_clip((plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square) >> 15, 32767);
 }
 
 #endif
