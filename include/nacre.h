@@ -111,7 +111,8 @@ typedef enum nacre_model {
     NACRE_MODEL_NONE = 0,
     NACRE_MODEL_TABLE,   /* half-vector table: one image, one fetch per light (fine tier: two) */
     NACRE_MODEL_SPHERES, /* sphere images per light polar angle (Mihalik & Durikovic 2015) */
-    NACRE_MODEL_SBRDF    /* albedo and lobes: 1 to 3 Lafortune lobes per texel (McAllister et al. 2002) */
+    NACRE_MODEL_SBRDF,   /* albedo and lobes: 1 to 3 Lafortune lobes per texel (McAllister et al. 2002) */
+    NACRE_MODEL_PALETTE  /* index and palette: every texel one of up to 256 half-vector tables */
 } nacre_model;
 
 /* What an image is for. A material names its images by role; a model uses those it knows. */
@@ -123,6 +124,8 @@ typedef enum nacre_role {
     NACRE_ROLE_ALBEDO,  /* SBRDF: diffuse albedo, opacity */
     NACRE_ROLE_LOBES,   /* SBRDF: two layers per lobe: lobe albedo; Cx Cy Cz n */
     NACRE_ROLE_POWER,   /* SBRDF, may be missing: table of x^n, for GPUs that look it up faster than they compute it */
+    NACRE_ROLE_PALETTE, /* PALETTE: the tables, side by side in one image */
+    NACRE_ROLE_INDEX,   /* PALETTE: R8, which table a texel is of */
     NACRE_ROLE_COUNT
 } nacre_role;
 

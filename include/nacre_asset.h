@@ -97,7 +97,7 @@
 #define NACRE_KEY_VERSION "nacre.asset_version" /* u32: NACRE_ASSET_VERSION; a file without it is a plain image */
 #define NACRE_KEY_ROLE                                                                                                 \
     "nacre.role"                             /* text: "table", "spheres", "normal", "mask", "albedo",
-                                                     "lobes", "power"; none: a plain image */
+                                                     "lobes", "power", "palette", "index"; none: a plain image */
 #define NACRE_KEY_TRANSFER "nacre.transfer"  /* text, see above */
 #define NACRE_KEY_NAME     "nacre.name"      /* text: the BRDF that was baked */
 #define NACRE_KEY_ETC1     "nacre.etc1_only" /* u32: 1 = every ETC2 block is in a mode of ETC1 */
@@ -169,5 +169,25 @@
    u = x' (W - 1/2)/W; row j of H is n' = (j + 1/2)/H, n = 255 n'^2, so that v is the exponent's code/255 as it is sampled.
    Values lie a little below the root's, half of what a chord lies above it; x = 1 and 0 are
    exact; for n below 3, x below 0.08 is not as near. */
+
+/* roles "palette" and "index" (PALETTE model): every texel of a surface one of up to 256 half-vector tables, each as in role
+   "table" with one layer and p = 4.
+
+   "palette": RGBA8, one layer, one level, transfer "root". The tables have one size and share the ten numbers of nacre.table
+   (so that a light's place in them is one for all). They stand in tiles, row after row, table i in column i mod columns of
+   tiles and row i / columns. A tile, of w + 2 x h + 4 texels for tables of w x h, from its top:
+
+     one row, the table's first again | h rows | one row, the last again | two rows of one colour
+
+   with a column at either side that repeats the first and last one: a coordinate that fp16 rounds by up to half a texel never
+   meets a neighbour. The two rows hold the square root of the table's white-sky albedo, A 255, read between them. Tiles that
+   no table needs are black. The image is columns x (w + 2) texels wide and as high as its rows of tiles. nacre.white_sky is
+   the mean over the texels of the map that it was baked with.
+
+   "index": R8, one layer, any levels: the table's number, below the palette's count in every texel of every level. Smaller
+   levels hold the table that comes nearest to the mean of what they cover, no means of numbers. */
+#define NACRE_KEY_TILES   "nacre.tiles" /* palette: 4 u32: count 1..256, columns 1, 2, 4, 8 or 16, w and h, 4..128 */
+#define NACRE_KEY_BLEND   "nacre.blend" /* index: u32, 1 = a place between four texels draws the bilinear mean of their y */
+#define NACRE_MAX_PALETTE 256
 
 #endif

@@ -51,7 +51,7 @@ varying UNIT vec3 v_bitangent;
 #else
 #define FRAME 0
 #endif
-#if NORMAL_MAP || MASK || SBRDF
+#if NORMAL_MAP || MASK || SBRDF || PALETTE
 varying HIGHP vec2 v_uv;
 #endif
 #if PERSP

@@ -69,6 +69,9 @@ vec3 encode(vec3 radiance)
 
 void main()
 {
+#if PALETTE
+    find_tiles();
+#endif
 #if LIGHTS && !OWN_FRAME
     UNIT vec3 n = surface_normal();
 #if PERSP
@@ -96,7 +99,10 @@ void main()
 #else
     vec3 sum = vec3(0.0);
 #endif
-#if AMBIENT && !SBRDF
+#if AMBIENT && PALETTE
+    vec3 root = palette_texel(vec2(0.5 * u_tiles[0].x, u_tiles[0].w)).rgb;
+    sum += u_ambient[0].rgb * root * root;
+#elif AMBIENT && !SBRDF
     sum += u_ambient[0].rgb;
 #endif
 #if LIGHTS > 0

@@ -5,7 +5,7 @@ attribute vec3 a_normal;
 attribute vec4 a_tangent;
 uniform mat3 u_tangent;
 #endif
-#if NORMAL_MAP || MASK || SBRDF
+#if NORMAL_MAP || MASK || SBRDF || PALETTE
 attribute vec2 a_uv;
 uniform vec4 u_uv;
 #endif
@@ -45,7 +45,7 @@ void main()
     v_eye = vec3(t.z, b.z, v_normal.z);
     v_light = vec3(dot(t, u_light[0].xyz), dot(b, u_light[0].xyz), dot(v_normal, u_light[0].xyz));
 #endif
-#if NORMAL_MAP || MASK || SBRDF
+#if NORMAL_MAP || MASK || SBRDF || PALETTE
     v_uv = a_uv * u_uv.xy + u_uv.zw;
 #endif
 #if PERSP

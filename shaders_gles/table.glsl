@@ -3,7 +3,49 @@
 // u = log2(t / eps + 1), t = 1 - n.h, and v, a polynomial in sqrt(1 - l.h).
 // t is taken as |n - h|^2 / 2: the subtraction 1 - n.h has no bits left near the peak in fp16.
 
-#if LIGHTS
+#if PALETTE
+// Every texel of the surface has a table of its own in a tile of the first map; the second one says which.
+uniform sampler2D u_map[2];
+// [0] 1 / columns, 1 / rows of tiles; from a tile's origin: u' of the last column, v' of the albedo
+// BLEND: [1] size of the index map, 1 / size
+uniform HIGHP vec4 u_tiles[1 + BLEND];
+// Origins of the tiles, in highp where there is such: fp16 knows a quarter of a texel at 512.
+#if BLEND
+HIGHP vec4 g_tile_u, g_tile_v;
+vec2 g_part; // how much of the right ones, and of the lower ones
+#else
+HIGHP float g_tile_u, g_tile_v;
+#endif
+
+void find_tiles()
+{
+#if BLEND
+    HIGHP vec2 at = v_uv * u_tiles[1].xy - 0.5, low = floor(at);
+    g_part = at - low;
+    HIGHP vec4 near = (low.xyxy + vec4(0.5, 0.5, 1.5, 1.5)) * u_tiles[1].zwzw;
+    vec4 code = vec4(texture2D(u_map[1], near.xy).r, texture2D(u_map[1], near.zy).r, texture2D(u_map[1], near.xw).r,
+                     texture2D(u_map[1], near.zw).r);
+    HIGHP vec4 tile = floor(code * 255.0 + 0.5) * u_tiles[0].x, row = floor(tile);
+#else
+    HIGHP float tile = floor(texture2D(u_map[1], v_uv).r * 255.0 + 0.5) * u_tiles[0].x, row = floor(tile);
+#endif
+    g_tile_u = tile - row;
+    g_tile_v = row * u_tiles[0].y;
+}
+
+vec4 palette_texel(HIGHP vec2 at)
+{
+#if BLEND
+    return mix(mix(texture2D(u_map[0], at + vec2(g_tile_u.x, g_tile_v.x)),
+                   texture2D(u_map[0], at + vec2(g_tile_u.y, g_tile_v.y)), g_part.x),
+               mix(texture2D(u_map[0], at + vec2(g_tile_u.z, g_tile_v.z)),
+                   texture2D(u_map[0], at + vec2(g_tile_u.w, g_tile_v.w)), g_part.x),
+               g_part.y);
+#else
+    return texture2D(u_map[0], at + vec2(g_tile_u, g_tile_v));
+#endif
+}
+#elif LIGHTS
 uniform sampler2D u_map[1 + FINE + EARLY];
 #endif
 
@@ -49,7 +91,12 @@ uniform vec4 u_model[1 + 2 * FINE];
 vec3 table_root(float q, float slope, float row)
 {
     vec2 at = vec2(log2(q) * SCALE + BIAS, row);
+#if PALETTE
+    at.x = min(at.x, u_tiles[0].z); // beyond 90 degrees: another tile
+    vec4 t = palette_texel(at);
+#else
     vec4 t = texture2D(u_map[0], at);
+#endif
 #if FINE
     vec4 c = texture2D(u_map[1], at) - 0.5;
     float square = slope * slope;

@@ -57,6 +57,12 @@ static void key_model(gles_key *key, const shade_material *material)
         key->model = GLES_KEY_SBRDF;
         return;
     }
+    if (material->model == NACRE_MODEL_PALETTE) {
+        key->model = GLES_KEY_PALETTE;
+        key->phid = 1;
+        key->blend = material->palette.blend;
+        return;
+    }
     if (material->model == NACRE_MODEL_SPHERES) {
         const shade_spheres *s = &material->is.spheres;
         key->model = s->cosine ? GLES_KEY_PAPER : s->size ? GLES_KEY_QUARTER : GLES_KEY_SPHERES;
@@ -231,6 +237,11 @@ static unsigned model_textures(const nacre_gles *gles, const gles_draw *draw, co
         return i;
     }
     if (key->model == GLES_KEY_SBRDF) return sbrdf_textures(gles, draw, key, name);
+    if (key->model == GLES_KEY_PALETTE) {
+        name[0] = layer_name(gles, item, NACRE_ROLE_PALETTE, 0);
+        name[1] = layer_name(gles, item, NACRE_ROLE_INDEX, 0);
+        return 2;
+    }
     if (!key->lights) return 0;
     if (item->material.model == NACRE_MODEL_TABLE) {
         const unsigned layers = key->model == GLES_KEY_TABLE ? 1 : 2;

@@ -86,7 +86,8 @@ int gles_item_needs_tangent(const gles_item *item)
 
 int gles_item_needs_uv(const gles_item *item)
 {
-    return gles_item_needs_tangent(item) || item->image[NACRE_ROLE_MASK] != NULL;
+    return gles_item_needs_tangent(item) || item->image[NACRE_ROLE_MASK] != NULL ||
+           item->image[NACRE_ROLE_INDEX] != NULL;
 }
 
 static gles_item *free_item(nacre_gles *gles)
@@ -306,10 +307,11 @@ nacre_result nacre_gles_add_buffers(nacre_gles *gles, const nacre_gles_buffers *
 {
     gles_item *item;
     nacre_result result;
-    int tangent;
+    int tangent, uv;
     if (!gles || !out || !material) return NACRE_ERR_ARGUMENT;
     tangent = material->model == NACRE_MODEL_SBRDF || material->image[NACRE_ROLE_NORMAL];
-    result = buffers ? check_buffers(gles, buffers, tangent, tangent || material->image[NACRE_ROLE_MASK]) : NACRE_OK;
+    uv = tangent || material->model == NACRE_MODEL_PALETTE || material->image[NACRE_ROLE_MASK];
+    result = buffers ? check_buffers(gles, buffers, tangent, uv) : NACRE_OK;
     if (!result) result = open_item(gles, material, &item);
     if (result) return result;
     if (buffers) item->is.buffers = *buffers;

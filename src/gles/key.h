@@ -20,6 +20,7 @@ typedef enum gles_key_model {
     GLES_KEY_PAPER,
     GLES_KEY_QUARTER,
     GLES_KEY_SBRDF,
+    GLES_KEY_PALETTE, /* tables of one layer and p = 4, chosen by an index map */
     GLES_KEY_LIT /* draws by lit spheres: no lights of its own */
 } gles_key_model;
 
@@ -33,7 +34,7 @@ typedef enum gles_key_pass { GLES_PASS_NONE, GLES_PASS_SUM, GLES_PASS_LAST } gle
 
 typedef struct gles_key {
     uint8_t model;      /* gles_key_model */
-    uint8_t phid;       /* table: 1 when any W is not 0 (fine, early: always 1; others: 0) */
+    uint8_t phid;       /* table: 1 when any W is not 0 (fine, early, palette: always 1; others: 0) */
     uint8_t lights;     /* 0..8 of this pass; 0: ambient alone */
     uint8_t persp;      /* shade_needs_persp; 0 when lights is 0. */
     uint8_t output;     /* nacre_output; as the view says, also for SUM passes */
@@ -49,6 +50,7 @@ typedef struct gles_key {
     uint8_t power;      /* sbrdf: 1: x^n by the table, 0: pow */
     uint8_t direction;  /* sbrdf: 1: direction of anisotropy a texel, 2: the same in a pass without the first lobe */
     uint8_t no_diffuse; /* sbrdf, SUM passes: 1: lobes alone, the diffuse albedo is in another pass */
+    uint8_t blend;      /* palette: 1: between four texels of the index map */
     uint8_t mask;       /* lit: 1 alpha from the mask, 2 and a second sphere mixed by it; others 0 */
 } gles_key;
 
@@ -74,6 +76,7 @@ unsigned gles_key_units(const gles_key *key);           /* texture units in use 
 
 /* Texture units, in this order: the model's own from 0: table: 0; fine, early: 0 and 1 (second layer); spheres dist: 2 i and
    2 i + 1 hold frame.light[i].is.spheres.layer[0] and [1]; spheres persp: unit i holds frame.layer[i]; quarter: 0.
+   palette: 0 the tables, 1 the index map.
    lit: 0, and 1 for a second sphere. sbrdf: diffuse albedo (not with no_diffuse), layers 2 j and 2 j + 1 of each lobe,
    layers 0 and 2 where they are needed for the direction and no lobe's (gles_key_unit_direction), power table. Then,
    where the key has them, the normal map, the mask, and the two bytes of the
@@ -88,7 +91,7 @@ shade_form gles_key_form(const gles_key *key);
 
 /* Most lights (1..8, or 0 if not even one) that a program like key can take on a device with so many fragment uniform
    vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4, of a sphere also 8); the key's own lights and pass are ignored.
-   GLSL ES 1.00 programs stop at 6 lights (fine tables), 4 (tables under persp, sbrdf), 2 (spheres, quarter) or 1 (paper) of those under
+   GLSL ES 1.00 programs stop at 6 lights (fine tables), 4 (tables under persp, sbrdf, blended palettes; those under persp 2), 2 (spheres, quarter) or 1 (paper) of those under
    persp: more would be refused by compilers
    of ES 2.0 GPUs. */
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);

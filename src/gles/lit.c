@@ -383,7 +383,8 @@ nacre_result nacre_gles_lit_add(nacre_gles *gles, const nacre_material *material
     gles_lit *lit;
     nacre_result result;
     if (!gles || !material || !out || !desc_fill(&d, desc)) return NACRE_ERR_ARGUMENT;
-    if (material->model == NACRE_MODEL_SBRDF) return NACRE_ERR_UNSUPPORTED; /* a sphere is of one material */
+    if (material->model == NACRE_MODEL_SBRDF || material->model == NACRE_MODEL_PALETTE)
+        return NACRE_ERR_UNSUPPORTED; /* a sphere is of one material */
     plain = *material;
     plain.image[NACRE_ROLE_NORMAL] = plain.image[NACRE_ROLE_MASK] = NULL;
     result = nacre_gles_add_buffers(gles, NULL, &plain, &as_item);

@@ -16,7 +16,13 @@ extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size, e
 
 static int is_table(const gles_key *key)
 {
-    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY;
+    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY ||
+           key->model == GLES_KEY_PALETTE;
+}
+
+static int is_palette(const gles_key *key)
+{
+    return key->model == GLES_KEY_PALETTE;
 }
 
 static int is_sbrdf(const gles_key *key)
@@ -47,7 +53,8 @@ static char *put_digit(char *out, unsigned digit)
 
 void gles_key_name(const gles_key *key, char *out)
 {
-    static const char *const model[] = {"table", "fine", "early", "spheres", "paper", "quarter", "sbrdf", "lit"};
+    static const char *const model[] = {"table",   "fine",  "early",   "spheres", "paper",
+                                        "quarter", "sbrdf", "palette", "lit"};
     static const char *const output[] = {"_srgb", "_sqrt", "_lin"};
     static const char *const mask[] = {"", "_mask", "_mix"};
 
@@ -59,6 +66,7 @@ void gles_key_name(const gles_key *key, char *out)
         return;
     }
     if (key->model == GLES_KEY_TABLE && key->phid) out = put(out, "_phid");
+    if (key->blend) out = put(out, "_blend");
     if (key->lobes) out = put_digit(put(out, key->power ? "_table_k" : "_pow_k"), key->lobes);
     out = put_digit(put(out, "_l"), key->lights);
     out = put(out, key->persp ? "_persp" : "_dist");
@@ -70,7 +78,7 @@ void gles_key_name(const gles_key *key, char *out)
     if (key->layers && key->layers != (key->model == GLES_KEY_QUARTER ? 2 : 4))
         out = put_digit(put(out, "_s"), key->layers);
     if (key->pass) out = put_digit(put(out, "_pass"), key->pass);
-    if (is_table(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
+    if (is_table(key) && !is_palette(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
         put(out, key->power48 ? "_p48" : "_p4");
 }
 
@@ -101,7 +109,8 @@ shade_form gles_key_form(const gles_key *key)
 unsigned gles_key_uniform_vectors(const gles_key *key)
 {
     const unsigned lights = key->lights, common = (key->ambient ? is_sbrdf(key) ? 2 : 1 : 0) +
-                                                  (key->pass == GLES_PASS_SUM && !key->es3 ? 1 : 0);
+                                                  (key->pass == GLES_PASS_SUM && !key->es3 ? 1 : 0) +
+                                                  (is_palette(key) ? 1u + key->blend : 0);
 
     if (!lights) return common;
     if (is_sbrdf(key)) return common + 2 * lights + key->lobes + (key->persp ? 1 : 0);
@@ -141,6 +150,7 @@ static unsigned model_units(const gles_key *key)
 {
     if (is_lit(key)) return key->mask > 1 ? 2 : 1;
     if (is_sbrdf(key)) return sbrdf_units(key);
+    if (is_palette(key)) return 2;
     if (!key->lights) return 0;
     if (is_table(key)) return key->model == GLES_KEY_TABLE ? 1 : 2;
     if (key->model == GLES_KEY_QUARTER) return 1;
@@ -181,7 +191,7 @@ static int fits_pass(const gles_key *key)
 void gles_key_canonical(gles_key *key)
 {
     const gles_key given = *key;
-    const int sbrdf = is_sbrdf(key);
+    const int sbrdf = is_sbrdf(key), palette = is_palette(key);
     int light;
 
     if (is_lit(key)) {
@@ -197,11 +207,12 @@ void gles_key_canonical(gles_key *key)
     if (key->pass == GLES_PASS_LAST) key->lights = 0;
     light = key->lights != 0;
     if (!light) key->persp = key->normal_map = 0;
-    if (!light && !sbrdf) key->model = GLES_KEY_TABLE;
+    if (!light && !sbrdf && !(palette && key->ambient)) key->model = GLES_KEY_TABLE;
+    key->blend = (uint8_t)(is_palette(key) && key->blend);
     if (!light || !sbrdf) key->lobes = key->power = key->direction = 0;
     key->no_diffuse = (uint8_t)(sbrdf && key->pass == GLES_PASS_SUM && key->no_diffuse);
     key->phid = (uint8_t)(light && is_table(key) && (key->phid || key->model != GLES_KEY_TABLE));
-    key->power48 = (uint8_t)(light && is_table(key) && key->power48);
+    key->power48 = (uint8_t)(light && is_table(key) && !palette && key->power48);
     if (is_table(key) || sbrdf || !key->persp) key->layers = 0;
     key->mask = 0;
 }
@@ -210,6 +221,7 @@ void gles_key_canonical(gles_key *key)
 static unsigned most_lights(const gles_key *key)
 {
     if (key->es3) return NACRE_MAX_LIGHTS;
+    if (key->blend) return key->persp ? 2 : 4;
     if (!key->persp && !is_sbrdf(key)) return key->model == GLES_KEY_FINE ? 6 : NACRE_MAX_LIGHTS;
     return is_table(key) || is_sbrdf(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
 }
@@ -246,6 +258,7 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "LIT", (unsigned)is_lit(key));
     out = define(out, "MASK", key->mask != 0);
     out = define(out, "SBRDF", (unsigned)is_sbrdf(key));
+    out = define(out, "PALETTE", (unsigned)is_palette(key));
     if (!fragment) return out;
     if (is_sbrdf(key)) {
         const int x = gles_key_unit_direction(key, 0), y = gles_key_unit_direction(key, 1);
@@ -262,6 +275,7 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "FINE", key->model == GLES_KEY_FINE);
     out = define(out, "EARLY", key->model == GLES_KEY_EARLY);
     out = define(out, "PHID", key->phid);
+    out = define(out, "BLEND", key->blend);
     out = define(out, "PAPER", key->model == GLES_KEY_PAPER);
     out = define(out, "QUARTER", key->model == GLES_KEY_QUARTER);
     out = define(out, "POWER48", key->power48);
@@ -334,7 +348,7 @@ static void add_lights(key_list *list, gles_key key)
     for (key.lights = 1; key.lights <= most_lights(&key); key.lights++) {
         for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add_passes(list, key);
         key.normal_map = 0;
-        key.sphere = (uint8_t)!key.persp;
+        key.sphere = (uint8_t)(!key.persp && !is_palette(&key));
         if (key.sphere) add_passes(list, key);
         key.sphere = 0;
     }
@@ -343,7 +357,9 @@ static void add_lights(key_list *list, gles_key key)
 static void add_cameras(key_list *list, gles_key key)
 {
     for (key.persp = 0; key.persp < 2; key.persp++) {
-        if (is_table(&key)) {
+        if (is_palette(&key)) {
+            add_lights(list, key);
+        } else if (is_table(&key)) {
             for (key.power48 = 0; key.power48 < 2; key.power48++) add_lights(list, key);
             key.power48 = 0;
         } else if (!key.persp) {
@@ -392,6 +408,24 @@ static void add_sbrdf(key_list *list, gles_key key)
                     for (key.normal_map = 0; key.normal_map < 2; key.normal_map++) add_sbrdf_lights(list, key);
 }
 
+/* Ambient alone, after the last lights too. */
+static void add_palette(key_list *list, gles_key key)
+{
+    key.model = GLES_KEY_PALETTE;
+    for (key.blend = 0; key.blend < 2; key.blend++) {
+        key.ambient = 1;
+        key.pass = GLES_PASS_NONE;
+        key.phid = 0;
+        add(list, &key);
+        key.pass = GLES_PASS_LAST;
+        add(list, &key);
+        key.pass = GLES_PASS_NONE;
+        key.ambient = 0;
+        key.phid = 1;
+        add_cameras(list, key);
+    }
+}
+
 /* Ambient alone, and what follows the last lights: of meshes and of spheres. */
 static void add_without_lights(key_list *list, gles_key key)
 {
@@ -430,6 +464,7 @@ unsigned gles_key_list(gles_key *out, unsigned count)
         for (; key.output <= NACRE_OUTPUT_LINEAR; key.output++) {
             add_without_lights(&list, key);
             add_sbrdf(&list, key);
+            add_palette(&list, key);
             for (i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
                 key.model = kinds[i].model;
                 key.phid = kinds[i].phid;

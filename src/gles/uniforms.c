@@ -438,14 +438,35 @@ static void set_positions(const gles_procs *gl, const gles_uniforms *at, const g
     set(gl, at->eye, &eye, 1);
 }
 
+static int is_table(const gles_key *key)
+{
+    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY ||
+           key->model == GLES_KEY_PALETTE;
+}
+
+/* Where the palette's tiles are, and the texels of the index map. */
+static void set_tiles(const gles_procs *gl, const gles_uniforms *at, const shade_palette *palette,
+                      const int32_t corner_q28[2])
+{
+    vectors tiles = {{{0}}};
+
+    tiles.v[0][0] = 1.0f / palette->columns;
+    tiles.v[0][1] = 1.0f / palette->rows;
+    put_q28(tiles.v[0] + 2, corner_q28, 2);
+    tiles.v[1][0] = palette->width;
+    tiles.v[1][1] = palette->height;
+    tiles.v[1][2] = 1.0f / palette->width;
+    tiles.v[1][3] = 1.0f / palette->height;
+    set(gl, at->tiles, &tiles, 1u + palette->blend);
+}
+
 /* Where normals are turned to: the only light's own frame, for the models that have one. */
 static const int32_t (*vertex_turn(const gles_key *key, const shade_frame *frame, unsigned first))[3]
 {
     const shade_light *const light = light_of(frame, first);
 
     if (key->persp || key->lights != 1) return frame->turn_q28;
-    if (key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY)
-        return light->is.table.own_turn_q28;
+    if (is_table(key)) return light->is.table.own_turn_q28;
     return key->model == GLES_KEY_QUARTER ? light->is.quarter.own_turn_q28 : frame->turn_q28;
 }
 
@@ -475,7 +496,7 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
 {
     /* sums of passes for linear output are held x 1/16 */
     const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
-    const int table = key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY;
+    const int table = is_table(key);
     const int sbrdf = key->model == GLES_KEY_SBRDF;
     vectors factor = {{{0}}}, ambient = {{{0}}};
     const int quarter = key->model == GLES_KEY_QUARTER;
@@ -486,6 +507,7 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
     for (i = 0; i < 3; i++) ambient.v[0][i] = from_real(frame->ambient[i]) * scale;
     for (i = 0; i < 3 && sbrdf; i++) ambient.v[1][i] = from_real(frame->is.sbrdf.ambient[i]) * scale;
     set(gl, at->ambient, &ambient, sbrdf ? 2 : 1);
+    if (key->model == GLES_KEY_PALETTE) set_tiles(gl, at, &frame->palette, frame->is.table.tile_q28);
     if (!key->lights) return;
     put_factors(&factor, key, frame, first_light, scale);
     if (key->persp) set_positions(gl, at, key, frame, first_light);

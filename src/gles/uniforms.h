@@ -29,6 +29,7 @@
     U(near)                                                                                                            \
     U(far)                                                                                                             \
     U(scale)                                                                                                           \
+    U(tiles)                                                                                                           \
     U(place)                                                                                                           \
     U(x)                                                                                                               \
     U(bound)                                                                                                           \

@@ -84,7 +84,9 @@ static nacre_result make_plan(const gles_caps *caps, const nacre_image *image, u
                                            level_side(height, plan->first) > caps->max_texture))
         plan->first++;
     if (plan->first == image->levels) return NACRE_ERR_UNSUPPORTED;
-    plan->end = role == NACRE_ROLE_TABLE || role == NACRE_ROLE_POWER ? (uint8_t)(plan->first + 1) : image->levels;
+    plan->end = role == NACRE_ROLE_TABLE || role == NACRE_ROLE_POWER || role == NACRE_ROLE_PALETTE
+                    ? (uint8_t)(plan->first + 1)
+                    : image->levels;
 
     /* ES 2.0 knows no last level and no mips of odd sizes: there a chain is complete or not used at all. */
     longest = image->width > height ? image->width : height;
@@ -93,6 +95,10 @@ static nacre_result make_plan(const gles_caps *caps, const nacre_image *image, u
 
     plan->mag_filter = GLES_LINEAR;
     plan->min_filter = plan->end - plan->first > 1 ? GLES_LINEAR_MIPMAP_LINEAR : GLES_LINEAR;
+    if (role == NACRE_ROLE_INDEX) { /* numbers have no mean */
+        plan->mag_filter = GLES_NEAREST;
+        plan->min_filter = plan->end - plan->first > 1 ? GLES_NEAREST_MIPMAP_NEAREST : GLES_NEAREST;
+    }
     plan->wrap = shade_role_has_uv((int)role) && (pot || caps->npot) ? GLES_REPEAT : GLES_CLAMP_TO_EDGE;
     return NACRE_OK;
 }

@@ -35,15 +35,11 @@ static int in_range(const int32_t *v, int count, int32_t low, int32_t high)
     return 1;
 }
 
-static nacre_result read_table(shade_material *out, const nacre_image *image)
+/* Into *t, all but the size; 0: out of range. */
+static int take_numbers(shade_table *t, const int32_t v[17])
 {
-    shade_table *t = &out->is.table;
-    int32_t v[17] = {0};
     int i;
-    v[9] = 19661; /* 0.3 */
-    if (image->format != NACRE_FORMAT_RGBA8 || image->layers > 2 || image->width < 2 || image->height < 2)
-        return NACRE_ERR_ASSET;
-    if (!says(image, NACRE_KEY_ROLE, "table") || !table_numbers(v, out, image)) return NACRE_ERR_ASSET;
+
     t->e = v[0];
     t->ymax = v[1];
     for (i = 0; i < 3; i++) t->w[i] = v[2 + i];
@@ -57,13 +53,84 @@ static nacre_result read_table(shade_material *out, const nacre_image *image)
         t->v[i] = v[13 + i];
     }
     t->k4 = v[16];
-    t->width = image->width;
-    t->height = image->height;
-    if (t->e <= 0 || t->ymax <= 0 || t->eps <= 0 || t->eps > NACRE_Q16_ONE) return NACRE_ERR_ASSET;
-    if (!in_range(&t->rows, 1, -NACRE_Q16_ONE, NACRE_Q16_ONE) || !in_range(t->d, 3, 0, 13 * NACRE_Q16_ONE / 2) ||
-        !in_range(t->v, 3, -64 * NACRE_Q16_ONE, 64 * NACRE_Q16_ONE) || !in_range(&t->k4, 1, 0, 64 * NACRE_Q16_ONE))
+    return t->e > 0 && t->ymax > 0 && t->eps > 0 && t->eps <= NACRE_Q16_ONE &&
+           in_range(&t->rows, 1, -NACRE_Q16_ONE, NACRE_Q16_ONE) && in_range(t->d, 3, 0, 13 * NACRE_Q16_ONE / 2) &&
+           in_range(t->v, 3, -64 * NACRE_Q16_ONE, 64 * NACRE_Q16_ONE) && in_range(&t->k4, 1, 0, 64 * NACRE_Q16_ONE);
+}
+
+static nacre_result read_table(shade_material *out, const nacre_image *image)
+{
+    shade_table *t = &out->is.table;
+    int32_t v[17] = {0};
+    v[9] = 19661; /* 0.3 */
+    if (image->format != NACRE_FORMAT_RGBA8 || image->layers > 2 || image->width < 2 || image->height < 2)
         return NACRE_ERR_ASSET;
+    if (!says(image, NACRE_KEY_ROLE, "table") || !table_numbers(v, out, image) || !take_numbers(t, v))
+        return NACRE_ERR_ASSET;
+    t->width = t->image_width = image->width;
+    t->height = t->image_height = image->height;
     return is_near(t->p, 4 * NACRE_Q16_ONE) || is_near(t->p, 314573) ? NACRE_OK : NACRE_ERR_ASSET; /* 4 or 4.8 */
+}
+
+/* Every code of every level names a table. */
+static int codes_are_below(const nacre_image *image, unsigned count)
+{
+    unsigned level;
+    uint32_t size, i;
+
+    for (level = 0; level < image->levels; level++) {
+        const uint8_t *const texels = nacre_image_texels(image, level, 0, 0, &size);
+
+        for (i = 0; i < size; i++)
+            if (texels[i] >= count) return 0;
+    }
+    return 1;
+}
+
+static nacre_result read_index(shade_palette *p, const nacre_image *image)
+{
+    uint32_t blend;
+
+    if (image->faces != 1 || image->layers != 1 || image->format != NACRE_FORMAT_R8 ||
+        !asset_key_is(image, NACRE_KEY_ROLE, "index"))
+        return NACRE_ERR_ASSET;
+    if (!asset_key_u32(image, NACRE_KEY_BLEND, &blend, 1)) blend = 0;
+    p->blend = (uint8_t)blend;
+    p->width = image->width;
+    p->height = image->height;
+    return blend <= 1 && codes_are_below(image, p->count) ? NACRE_OK : NACRE_ERR_ASSET;
+}
+
+static nacre_result read_palette(shade_material *out, const nacre_material *material)
+{
+    const nacre_image *const image = material->image[NACRE_ROLE_PALETTE];
+    shade_table *const t = &out->is.table;
+    shade_palette *const p = &out->palette;
+    uint32_t tiles[4];
+    int32_t v[17] = {0};
+    int i;
+
+    if (image->format != NACRE_FORMAT_RGBA8 || image->layers != 1 || image->levels != 1 ||
+        !asset_key_is(image, NACRE_KEY_ROLE, "palette") || !says(image, NACRE_KEY_TRANSFER, "root") ||
+        !asset_key_q16(image, NACRE_KEY_TABLE, v, 10) || !asset_key_u32(image, NACRE_KEY_TILES, tiles, 4))
+        return NACRE_ERR_ASSET;
+    if (!take_numbers(t, v) || !is_near(t->p, 4 * NACRE_Q16_ONE)) return NACRE_ERR_ASSET;
+    if (tiles[0] < 1 || tiles[0] > NACRE_MAX_PALETTE || tiles[1] < 1 || tiles[1] > 16 || (tiles[1] & (tiles[1] - 1)))
+        return NACRE_ERR_ASSET;
+    for (i = 2; i < 4; i++)
+        if (tiles[i] < 4 || tiles[i] > 128) return NACRE_ERR_ASSET;
+    p->count = (uint16_t)tiles[0];
+    p->columns = (uint8_t)tiles[1];
+    p->rows = (uint16_t)((tiles[0] + tiles[1] - 1) / tiles[1]);
+    t->width = (uint16_t)tiles[2];
+    t->height = (uint16_t)tiles[3];
+    t->image_width = image->width;
+    t->image_height = image->height;
+    t->image_guard = 1;
+    if (image->width != p->columns * (t->width + 2u) || image->height != p->rows * (t->height + 4u))
+        return NACRE_ERR_ASSET;
+    for (i = 0; i < 3; i++) out->albedo[i] = NACRE_Q16_ONE;
+    return read_index(p, material->image[NACRE_ROLE_INDEX]);
 }
 
 int shade_is_quartered(const nacre_image *image)
@@ -199,18 +266,20 @@ int shade_model_role(nacre_model model)
 {
     if (model == NACRE_MODEL_TABLE) return NACRE_ROLE_TABLE;
     if (model == NACRE_MODEL_SBRDF) return NACRE_ROLE_LOBES;
+    if (model == NACRE_MODEL_PALETTE) return NACRE_ROLE_PALETTE;
     return model == NACRE_MODEL_SPHERES ? NACRE_ROLE_SPHERES : -1;
 }
 
 int shade_role_has_uv(int role)
 {
     return role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK || role == NACRE_ROLE_ALBEDO ||
-           role == NACRE_ROLE_LOBES;
+           role == NACRE_ROLE_LOBES || role == NACRE_ROLE_INDEX;
 }
 
 int shade_model_takes(nacre_model model, int role)
 {
     if (role == NACRE_ROLE_NORMAL || role == NACRE_ROLE_MASK || role == shade_model_role(model)) return 1;
+    if (model == NACRE_MODEL_PALETTE) return role == NACRE_ROLE_INDEX;
     return model == NACRE_MODEL_SBRDF && (role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_POWER);
 }
 
@@ -223,11 +292,12 @@ nacre_result shade_material_read(shade_material *out, const nacre_material *mate
     memset(out, 0, sizeof *out);
     out->model = material->model;
     if (role == NACRE_ROLE_LOBES) image = material->image[NACRE_ROLE_ALBEDO]; /* has the key */
-    if (!image) return NACRE_ERR_ARGUMENT;
+    if (!image || (role == NACRE_ROLE_PALETTE && !material->image[NACRE_ROLE_INDEX])) return NACRE_ERR_ARGUMENT;
     if (image->faces != 1 || !asset_key_q16(image, NACRE_KEY_ALBEDO, out->albedo, 3)) return NACRE_ERR_ASSET;
-    result = role == NACRE_ROLE_TABLE   ? read_table(out, image)
-             : role == NACRE_ROLE_LOBES ? read_sbrdf(out, material)
-                                        : read_spheres(out, image);
+    result = role == NACRE_ROLE_TABLE     ? read_table(out, image)
+             : role == NACRE_ROLE_PALETTE ? read_palette(out, material)
+             : role == NACRE_ROLE_LOBES   ? read_sbrdf(out, material)
+                                          : read_spheres(out, image);
     if (!result && material->image[NACRE_ROLE_NORMAL]) result = check_normal_map(material->image[NACRE_ROLE_NORMAL]);
     if (!result && material->image[NACRE_ROLE_MASK]) result = check_mask(material->image[NACRE_ROLE_MASK]);
     return result;

@@ -114,7 +114,7 @@ static fx_real shaped(int64_t log2_q16, shade_form form, const shade_material *m
 
 static int32_t model_log2(const shade_material *material, int channel)
 {
-    if (material->model == NACRE_MODEL_TABLE) return shade_table_log2(&material->is.table);
+    if (shade_is_table(material)) return shade_table_log2(&material->is.table);
     if (material->model == NACRE_MODEL_SBRDF) return shade_sbrdf_log2(&material->is.sbrdf);
     return shade_spheres_log2(&material->is.spheres, channel);
 }
@@ -155,7 +155,7 @@ static int is_quarter(const shade_material *material)
 /* Whose values hold f_r l.h. */
 static int over_l_dot_h(const shade_material *material)
 {
-    return material->model == NACRE_MODEL_TABLE || is_quarter(material);
+    return shade_is_table(material) || is_quarter(material);
 }
 
 static int lifted(const shade_material *material, shade_form form)
@@ -310,7 +310,7 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
     if (frame->persp && lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
         for (i = 0; i < 4; i++) out->position[i].e -= SHADE_LIFT_PERSP / 2;
     incoming(&in, place_of.direction_q28, frame->turn_q28);
-    if (material->model == NACRE_MODEL_TABLE) {
+    if (shade_is_table(material)) {
         shade_table_light(&out->is.table, &in, &material->is.table);
         turn_after(out->is.table.own_turn_q28, frame->turn_q28);
     } else if (is_quarter(material)) {
@@ -396,7 +396,8 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     out->persp = persp != 0;
     set_camera(out, view, centre_view);
     set_ambient(out, view, material);
-    if (material->model == NACRE_MODEL_TABLE)
+    out->palette = material->palette;
+    if (shade_is_table(material))
         shade_table_prepare(&out->is.table, &material->is.table, material->early);
     else if (is_quarter(material))
         shade_quarter_prepare(&out->is.quarter, &material->is.spheres);

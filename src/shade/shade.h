@@ -28,7 +28,18 @@ typedef struct shade_table {
     nacre_q16 v[3]; /* two layers */
     nacre_q16 k4;   /* two layers */
     uint16_t width, height;
+    uint16_t image_width, image_height; /* of a palette, texels: a table begins image_guard texels inside its tile */
+    uint8_t image_guard;                /* plain tables: the same as width and height, and 0 */
 } shade_table;
+
+/* Decoded keys of palette and index files, and constants of a draw. The tables' common numbers are a shade_table. */
+typedef struct shade_palette {
+    uint16_t count;         /* 1..256 */
+    uint8_t columns;        /* of tiles */
+    uint16_t rows;          /* of tiles */
+    uint8_t blend;          /* 1: between four texels of the index map */
+    uint16_t width, height; /* of the index map */
+} shade_palette;
 
 /* Decoded keys of a spheres file. */
 typedef struct shade_spheres {
@@ -58,9 +69,10 @@ typedef struct shade_material {
     nacre_model model;
     uint8_t fine;        /* table: two layers */
     uint8_t early;       /* fine: nine numbers, see NACRE_KEY_TABLE */
-    nacre_q16 albedo[3]; /* NACRE_KEY_ALBEDO; sbrdf: without the diffuse albedo, which is in the texels */
+    nacre_q16 albedo[3]; /* NACRE_KEY_ALBEDO; sbrdf: without the diffuse albedo, which is in the texels; palette: 1 */
+    shade_palette palette;
     union {
-        shade_table table;
+        shade_table table; /* palette too */
         shade_spheres spheres;
         shade_sbrdf sbrdf;
     } is;
@@ -70,6 +82,11 @@ typedef struct shade_material {
 int shade_model_role(nacre_model model);
 /* 1: images of this role are looked at by their place on the surface. */
 int shade_role_has_uv(int role);
+/* 1: its set-up is that of a table. */
+static inline int shade_is_table(const shade_material *material)
+{
+    return material->model == NACRE_MODEL_TABLE || material->model == NACRE_MODEL_PALETTE;
+}
 /* 1: materials of this model may have an image of this role. */
 int shade_model_takes(nacre_model model, int role);
 
@@ -96,7 +113,7 @@ typedef struct shade_table_setup {
     int32_t half_q28[3];        /* h, turned */
     int32_t own_turn_q28[3][3]; /* rows of the rotation from view space to the light's own frame */
     int32_t sin_q28, cos_q28;   /* of half the angle between l and v */
-    int32_t row_q28;            /* texture coordinate v' of its l.h */
+    int32_t row_q28;            /* texture coordinate v' of its l.h; palette: from the tile's origin, as u' is */
 } shade_table_setup;
 
 /* One light on spheres, dist. Rows are dotted with the normal; those that give texture coordinates are x disc / 2 (add
@@ -151,7 +168,8 @@ typedef struct shade_table_draw {
     fx_real two_eps, root_two_eps;
     nacre_q16 phi_q16[3];                         /* W; early fine tier: K1, K2, 0 */
     nacre_q16 d_q16[3], v_q16[3], k2_q16, k4_q16; /* fine tier */
-    int32_t row_q28[3];                           /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
+    int32_t tile_q28[2]; /* palette, from a tile's origin: u' of the last column, v' of the albedo */
+    int32_t row_q28[3];  /* persp: v' = A s + B s^2 + C, s = sqrt(1 - l.h) */
 } shade_table_draw;
 
 /* Constant over a draw: spheres, persp. The layers are spread over the file's when it has more than units. */
@@ -193,6 +211,7 @@ typedef struct shade_frame {
     int position_shift;
     fx_real eye[4];     /* persp: xyz and w of v = normalize(xyz - w P) */
     fx_real ambient[3]; /* radiance: albedo x ambient / pi x tint x exposure */
+    shade_palette palette;
     union {
         shade_table_draw table;
         shade_spheres_draw spheres;

@@ -18,10 +18,10 @@ int32_t shade_table_log2(const shade_table *table)
     return (int32_t)(power - fx_log2_q16(table->e) - LOG2_PI_Q16);
 }
 
-/* v' = v (height - 1) / height + 1 / (2 height): the first and last texel's centres are v = 0 and 1. */
-static int64_t end_aligned(int64_t v_q28, unsigned texels)
+/* v' = (v (texels - 1) + 1/2 + guard) / of: the first and last texel's centres are v = 0 and 1. */
+static int64_t end_aligned(int64_t v_q28, unsigned texels, unsigned guard, unsigned of)
 {
-    return fx_div(v_q28 * ((int64_t)texels - 1) + FX_Q28_ONE / 2, texels);
+    return fx_div(v_q28 * ((int64_t)texels - 1) + FX_Q28_ONE / 2 + guard * (int64_t)FX_Q28_ONE, of);
 }
 
 void shade_table_light(shade_table_setup *out, const shade_incoming *in, const shade_table *table)
@@ -40,7 +40,8 @@ void shade_table_light(shade_table_setup *out, const shade_incoming *in, const s
         out->half_q28[i] = in->lost ? v : (int32_t)fx_div(((int64_t)l[i] + v) * FX_Q28_ONE, twice_lh);
     }
     shade_own_frame(out->own_turn_q28, &out->sin_q28, &out->cos_q28, in);
-    out->row_q28 = (int32_t)end_aligned(fx_shift(linear * s + square * away, 28), table->height);
+    out->row_q28 = (int32_t)end_aligned(fx_shift(linear * s + square * away, 28), table->height, table->image_guard,
+                                        table->image_height);
 }
 
 /* To the nearest number that fp16 holds. */
@@ -73,15 +74,19 @@ static void set_coordinate(shade_table_draw *out, int64_t scale_q28, int64_t bia
 
 void shade_table_prepare(shade_table_draw *out, const shade_table *table, int early)
 {
-    const int64_t width = table->width, height = table->height;
+    const int64_t width = table->image_width, height = table->image_height;
     const int32_t log2_eps = fx_log2_q16(table->eps);
     const int64_t range = fx_log2_u64((uint64_t)table->eps + 65536) - 16 * 65536 - log2_eps; /* log2(1 / eps + 1) */
-    const int64_t scale_q28 = fx_div((width - 1) * ((int64_t)1 << 44), width * range);
+    const int64_t scale_q28 = fx_div((table->width - 1) * ((int64_t)1 << 44), width * range);
     int64_t linear, square;
     int i;
 
-    set_coordinate(out, scale_q28, fx_shift(scale_q28 * (-65536 - log2_eps), 16) + fx_div(FX_Q28_ONE / 2, width),
+    set_coordinate(out, scale_q28,
+                   fx_shift(scale_q28 * (-65536 - log2_eps), 16) +
+                       end_aligned(0, table->width, table->image_guard, table->image_width),
                    65536 + log2_eps + range / 2);
+    out->tile_q28[0] = (int32_t)end_aligned(FX_Q28_ONE, table->width, table->image_guard, table->image_width);
+    out->tile_q28[1] = (int32_t)fx_div((table->height + 3) * (int64_t)FX_Q28_ONE, height);
     out->two_eps = fx_real_make(table->eps, -15);
     out->root_two_eps = fx_real_make(fx_isqrt((uint64_t)table->eps << 33), -24);
     out->phi_q16[0] = early ? table->k1 : table->w[0];
@@ -94,7 +99,7 @@ void shade_table_prepare(shade_table_draw *out, const shade_table *table, int ea
     out->k2_q16 = table->k2;
     out->k4_q16 = table->k4;
     row_curve(table, &linear, &square);
-    out->row_q28[0] = (int32_t)fx_div(linear * (height - 1), height);
-    out->row_q28[1] = (int32_t)fx_div(square * (height - 1), height);
-    out->row_q28[2] = (int32_t)fx_div(FX_Q28_ONE / 2, height);
+    out->row_q28[0] = (int32_t)fx_div(linear * (table->height - 1), height);
+    out->row_q28[1] = (int32_t)fx_div(square * (table->height - 1), height);
+    out->row_q28[2] = (int32_t)end_aligned(0, table->height, table->image_guard, table->image_height);
 }

@@ -124,6 +124,7 @@ static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, 
 
     if (r) return r;
     if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
+    if (material.model == NACRE_MODEL_PALETTE) return NACRE_ERR_UNSUPPORTED;
     shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, shade_needs_persp(view), 2);
     memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
     item->output = view->output;

@@ -100,8 +100,8 @@ static shade_material table_material(double power)
     m.is.table.p = nacre_q16_from_float((float)power);
     m.is.table.eps = 256;
     m.is.table.rows = 19661; /* 0.3 */
-    m.is.table.width = 24;
-    m.is.table.height = 21;
+    m.is.table.width = m.is.table.image_width = 24;
+    m.is.table.height = m.is.table.image_height = 21;
     return m;
 }
 
