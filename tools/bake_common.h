@@ -5,6 +5,7 @@
 
 #include "json.h"
 #include "options.h"
+#include "painting.h"
 
 typedef struct bake_common {
     const char *output, *depfile, *json;
@@ -34,9 +35,16 @@ void bake_discard_side_outputs(const bake_common *c);
 /* The same, and then the output: where it is, all that goes with it is. Frees the figures. input: as for bake_check. */
 int bake_write_outputs(const bake_common *c, const bytes *file, const char *input, json *figures, failure *f);
 
+/* Kinds of two files: -o NAME.ktx2 means NAME-PART.ktx2; so do .c and no ending. */
+int bake_pair_path(const bake_common *c, const char *part, char *out, size_t size, failure *f);
+/* Both files and what goes with them, or nothing. Frees the figures and the bytes. */
+int bake_write_pair(const bake_common *c, const sbrdf_sources *sources, json *figures, const char *first_path,
+                    bytes *first, const char *second_path, bytes *second, failure *f);
+
 /* ---- kinds with a file of their own: cmd_bake_KIND.c --------------------------------------------- */
 
 int bake_lights(int argc, char **argv, failure *f);
+int bake_palette(int argc, char **argv, failure *f);
 int bake_power(int argc, char **argv, failure *f);
 int bake_sbrdf(int argc, char **argv, failure *f);
 

@@ -90,6 +90,7 @@ static const struct {
     {"mesh", bake_mesh, "shapes for firmware: vertices and indices as C source or as bytes"},
     {"sbrdf", bake_sbrdf,
      "materials that vary over the surface, from maps, a painting's text, glTF or a measured stack"},
+    {"palette", bake_palette, "materials that vary over the surface: every texel one of up to 256 half-vector tables"},
     {"power", bake_power, "x^n as a table, for materials that vary over the surface"},
 };
 

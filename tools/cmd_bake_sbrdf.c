@@ -46,18 +46,6 @@ static int warn(const request *r, failure *f, const char *format, ...)
 
 /* ---- what is asked for ------------------------------------------------------------------------------- */
 
-/* -o NAME.ktx2 means NAME-albedo.ktx2 and NAME-lobes.ktx2; so do .c and no ending. */
-static int output_paths(request *r, failure *f)
-{
-    const char *path = r->common.output, *dot = strrchr(path, '.'), *slash = strrchr(path, '/');
-    const char *end = dot && dot > slash && (!strcmp(dot, ".ktx2") || !strcmp(dot, ".c")) ? dot : path + strlen(path);
-    int length = (int)(end - path);
-    if (length > 1000) return fail(f, FAIL_USAGE, "-o: found a name of %d characters, expected at most 1000", length);
-    snprintf(r->albedo_path, sizeof r->albedo_path, "%.*s-albedo%s", length, path, *end ? end : ".ktx2");
-    snprintf(r->lobes_path, sizeof r->lobes_path, "%.*s-lobes%s", length, path, *end ? end : ".ktx2");
-    return FAIL_NONE;
-}
-
 static int take_lobe(request *r, int j, char *text, failure *f)
 {
     char *rest = NULL;
@@ -114,7 +102,8 @@ static int parse(request *r, int argc, char **argv, failure *f)
     if (!operands) r->source = NULL;
     if (code || (code = bake_check(&r->common, "bake sbrdf", r->source, f))) return code;
     if (r->range != 1 && r->range != 2) return fail(f, FAIL_USAGE, "--range %g: expected 1 or 2", r->range);
-    if ((code = output_paths(r, f))) return code;
+    if ((code = bake_pair_path(&r->common, "albedo", r->albedo_path, sizeof r->albedo_path, f))) return code;
+    if ((code = bake_pair_path(&r->common, "lobes", r->lobes_path, sizeof r->lobes_path, f))) return code;
     return r->source ? FAIL_NONE : check_maps(r, f);
 }
 
@@ -298,20 +287,9 @@ static json figures_of(const request *r, const result *out)
 static int write_all(const request *r, const result *out, const sbrdf_sources *sources, failure *f)
 {
     bytes albedo = {0}, lobes = {0};
-    bake_common common = r->common;
     json figures = figures_of(r, out);
-    common.output = r->albedo_path;
-    int code =
-        bake_write_side_outputs(&common, (const char *const *)sources->path, (size_t)sources->count, &figures, f);
-    bytes_free(&figures.out);
-    if (code) return code;
     sbrdf_map_write(&out->map, &albedo, &lobes);
-    code = output_write(r->albedo_path, &albedo, f);
-    if (!code && (code = output_write(r->lobes_path, &lobes, f))) output_discard(r->albedo_path);
-    if (code) bake_discard_side_outputs(&common);
-    bytes_free(&albedo);
-    bytes_free(&lobes);
-    return code;
+    return bake_write_pair(&r->common, sources, &figures, r->albedo_path, &albedo, r->lobes_path, &lobes, f);
 }
 
 static void print_result(const request *r, const result *out)

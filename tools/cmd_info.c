@@ -13,6 +13,7 @@
 #include "json.h"
 #include "merl.h"
 #include "options.h"
+#include "palette.h"
 #include "rgl.h"
 #include "sbrdf_map.h"
 #include "sphere_bake.h"
@@ -112,7 +113,9 @@ static key_kind kind_of(const char *name)
         {NACRE_KEY_ROLE, KEY_TEXT},   {NACRE_KEY_NAME, KEY_TEXT},       {NACRE_KEY_TRANSFER, KEY_TEXT},
         {NACRE_KEY_ETC1, KEY_U32},    {NACRE_KEY_QUARTERS, KEY_U32},    {NACRE_KEY_ALBEDO, KEY_Q16},
         {NACRE_KEY_TABLE, KEY_Q16},   {NACRE_KEY_LIGHT_POLAR, KEY_BAM}, {NACRE_KEY_COSINE, KEY_U32},
-        {NACRE_KEY_SCALE, KEY_Q16},   {NACRE_KEY_DISC, KEY_Q16},
+        {NACRE_KEY_SCALE, KEY_Q16},   {NACRE_KEY_DISC, KEY_Q16},        {NACRE_KEY_MOST, KEY_Q16},
+        {NACRE_KEY_LOBES, KEY_U32},   {NACRE_KEY_SHAPE, KEY_Q16},       {NACRE_KEY_DIRECTION, KEY_U32},
+        {NACRE_KEY_TILES, KEY_U32},   {NACRE_KEY_BLEND, KEY_U32},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (!strcmp(kinds[i].name, name)) return kinds[i].kind;
@@ -341,6 +344,31 @@ static int report_power(report *r, const nacre_image *image, failure *f)
     return FAIL_NONE;
 }
 
+static int report_palette(report *r, const nacre_image *image, failure *f)
+{
+    uint32_t counts[4];
+    char sentence[200];
+    const int code = palette_check_tables(image, r->path, counts, f);
+    if (code) return code;
+    snprintf(sentence, sizeof sentence, "palette of %u half-vector tables of %u x %u, in %u column%s of tiles",
+             counts[0], counts[2], counts[3], counts[1], counts[1] == 1 ? "" : "s");
+    say(r, sentence);
+    bytes_printf(&r->text, "  check: tiles fill the image\n");
+    return FAIL_NONE;
+}
+
+static int report_index(report *r, const nacre_image *image, failure *f)
+{
+    int blend, most;
+    char sentence[200];
+    const int code = palette_check_index(image, r->path, &blend, &most, f);
+    if (code) return code;
+    snprintf(sentence, sizeof sentence, "which table of a palette a texel is of, up to number %d, %s", most,
+             blend ? "blended between four texels" : "nearest texel");
+    say(r, sentence);
+    return FAIL_NONE;
+}
+
 static int report_role(report *r, const nacre_image *image, failure *f)
 {
     uint32_t size = 0;
@@ -364,13 +392,15 @@ static int report_role(report *r, const nacre_image *image, failure *f)
     if (asset_key_is(image, NACRE_KEY_ROLE, "albedo")) return report_albedo(r, image, f);
     if (asset_key_is(image, NACRE_KEY_ROLE, "lobes")) return report_lobes(r, image, f);
     if (asset_key_is(image, NACRE_KEY_ROLE, "power")) return report_power(r, image, f);
+    if (asset_key_is(image, NACRE_KEY_ROLE, "palette")) return report_palette(r, image, f);
+    if (asset_key_is(image, NACRE_KEY_ROLE, "index")) return report_index(r, image, f);
     if (role) {
         char text[100];
         printable(role, size, text, sizeof text);
         return fail(
             f, FAIL_INVALID,
-            "%s: key %s: found \"%s\", expected \"table\", \"spheres\", \"normal\", \"mask\", \"albedo\", \"lobes\" or "
-            "\"power\"",
+            "%s: key %s: found \"%s\", expected \"table\", \"spheres\", \"normal\", \"mask\", \"albedo\", \"lobes\", "
+            "\"power\", \"palette\" or \"index\"",
             r->path, NACRE_KEY_ROLE, text);
     }
     say(r, image->faces == 6 ? "a cube map without a role" : "an image without a role");

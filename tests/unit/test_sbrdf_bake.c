@@ -74,7 +74,7 @@ static void make_inputs(void)
     write_text("word.txt", "size 8 8\nmaterial a lambert:\nfill a tnit=x.png\n");
     write_text("first-paint.txt", "size 8 8\nmaterial a lambert:\npaint a half.png\n");
     write_text("unknown.txt", "size 8 8\nvarnish a\n");
-    write_text("brdf.txt", "size 8 8\nmaterial a sgd:golld-paint\n");
+    write_text("brdf.txt", "size 8 8\nmaterial a sgd:golld-paint\nfill a\n");
     write_text("broken.gltf", "{\"asset\":");
 }
 

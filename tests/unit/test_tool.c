@@ -32,7 +32,7 @@ static void bad_command_lines(void **state)
     (void)state;
     static const shell_mistake list[] = {
         {"nacre bakee", 1, "near: bake"},
-        {"nacre bake", 1, "table, spheres, lights, mesh, sbrdf or power"},
+        {"nacre bake", 1, "table, spheres, lights, mesh, sbrdf, palette or power"},
         {"nacre bake tabel lambert: -o x.ktx2", 1, "tabel"},
         {"nacre bake table", 1, "argument"},
         {"nacre bake table lambert:albedo=.5", 1, "-o"},

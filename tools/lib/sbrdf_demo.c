@@ -338,7 +338,7 @@ static const demo demos[SBRDF_DEMO_COUNT] = {
      "material m8 lafortune:blue-paint\n"
      "material m9 lafortune:clay\n"
      "material m10 ggx:rough=.35,f0=.04,albedo=.25/.03/.35\n"
-     "material m11 lafortune:kd=.02/.09/.08,cx=-1,cy=.8,cz=.7,n=12,ks=.5/.7/.6\n"
+     "material m11 sgd:color-changing-paint1\n"
      "fill grout\n",
      {{NULL, 0, NULL}}},
     {"upholstery",

@@ -9,12 +9,13 @@
 #include "asset.h"
 #include "ktx2_write.h"
 #include "nacre_asset.h"
+#include "palette.h"
 #include "png_io.h"
 #include "sbrdf_map.h"
 #include "table_bake.h"
 
-static const char *const role_names[NACRE_ROLE_COUNT] = {"table",  "spheres", "normal", "mask",
-                                                         "albedo", "lobes",   "power"};
+static const char *const role_names[NACRE_ROLE_COUNT] = {"table", "spheres", "normal",  "mask", "albedo",
+                                                         "lobes", "power",   "palette", "index"};
 
 static int ends_with(const char *text, const char *end)
 {
@@ -113,9 +114,10 @@ static int is_map(nacre_role role)
 }
 
 /* The parts of a material that varies over the surface. */
-static int is_sbrdf(nacre_role role)
+static int is_part(nacre_role role)
 {
-    return role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_LOBES || role == NACRE_ROLE_POWER;
+    return role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_LOBES || role == NACRE_ROLE_POWER ||
+           role == NACRE_ROLE_PALETTE || role == NACRE_ROLE_INDEX;
 }
 
 static int open_role(scene_material *m, nacre_role role, const char *path, failure *f)
@@ -152,19 +154,28 @@ static int role_named(const char *text, size_t length)
     return -1;
 }
 
+/* Both of two parts, or neither; *given counts them as one. */
+static int check_pair(const scene_material *m, nacre_role one, nacre_role other, int *given, failure *f)
+{
+    const int first = m->material.image[one] != NULL, second = m->material.image[other] != NULL;
+
+    *given += first || second;
+    if (first == second) return FAIL_NONE;
+    return fail(f, FAIL_USAGE, "--material: %s=FILE is missing beside %s=FILE", role_names[first ? other : one],
+                role_names[first ? one : other]);
+}
+
 /* A table, or spheres, or both parts of a material that varies over the surface. */
 static int check_roles(const scene_material *m, const char *reflectance, failure *f)
 {
-    int albedo = m->material.image[NACRE_ROLE_ALBEDO] != NULL, lobes = m->material.image[NACRE_ROLE_LOBES] != NULL;
+    int given = reflectance[0] != 0, code = check_pair(m, NACRE_ROLE_ALBEDO, NACRE_ROLE_LOBES, &given, f);
 
-    if (albedo != lobes)
-        return fail(f, FAIL_USAGE, "--material: %s=FILE is missing beside %s=FILE", albedo ? "lobes" : "albedo",
-                    albedo ? "albedo" : "lobes");
-    if (albedo && reflectance[0])
-        return fail(f, FAIL_USAGE, "--material: albedo=, lobes= and a table or spheres, expected one of them");
-    if (!albedo && !reflectance[0])
-        return fail(f, FAIL_USAGE, "--material: no table=FILE, spheres=FILE, or albedo=FILE with lobes=FILE");
-    return FAIL_NONE;
+    if (!code) code = check_pair(m, NACRE_ROLE_PALETTE, NACRE_ROLE_INDEX, &given, f);
+    if (code || given == 1) return code;
+    return fail(f, FAIL_USAGE,
+                "--material: found %s, expected one of table=FILE, spheres=FILE, albedo=FILE with lobes=FILE, or "
+                "palette=FILE with index=FILE",
+                given ? "several" : "none");
 }
 
 /* "role=FILE,role=FILE"; reflectance receives the path of the table or the spheres. */
@@ -177,13 +188,13 @@ static int open_roles(scene_material *m, const char *text, char *reflectance, si
         if (role < 0 || name + 1 == length)
             return fail(f, FAIL_USAGE,
                         "--material: \"%.*s\", expected table=FILE, spheres=FILE, albedo=FILE, lobes=FILE, power=FILE, "
-                        "normal=FILE or mask=FILE",
+                        "palette=FILE, index=FILE, normal=FILE or mask=FILE",
                         (int)length, text);
         snprintf(path, sizeof path, "%.*s", (int)(length - name - 1), text + name + 1);
         code = open_role(m, (nacre_role)role, path, f);
         if (!code && role == NACRE_ROLE_NORMAL) code = decode_normal(m, path, f);
         if (code) return code;
-        if (!is_map((nacre_role)role) && !is_sbrdf((nacre_role)role)) {
+        if (!is_map((nacre_role)role) && !is_part((nacre_role)role)) {
             if (reflectance[0]) return fail(f, FAIL_USAGE, "--material: a table and spheres, expected one of them");
             snprintf(reflectance, size, "%s", path);
         }
@@ -220,12 +231,14 @@ static void read_albedo(scene_material *m, nacre_role role)
 /* What follows from the images that are there. */
 static void settle(scene_material *m)
 {
-    m->material.model = m->material.image[NACRE_ROLE_SPHERES] ? NACRE_MODEL_SPHERES
-                        : m->material.image[NACRE_ROLE_LOBES] ? NACRE_MODEL_SBRDF
-                                                              : NACRE_MODEL_TABLE;
+    m->material.model = m->material.image[NACRE_ROLE_SPHERES]   ? NACRE_MODEL_SPHERES
+                        : m->material.image[NACRE_ROLE_LOBES]   ? NACRE_MODEL_SBRDF
+                        : m->material.image[NACRE_ROLE_PALETTE] ? NACRE_MODEL_PALETTE
+                                                                : NACRE_MODEL_TABLE;
     read_albedo(m, NACRE_ROLE_TABLE);
     read_albedo(m, NACRE_ROLE_SPHERES);
     read_albedo(m, NACRE_ROLE_ALBEDO);
+    read_albedo(m, NACRE_ROLE_PALETTE);
 }
 
 static int has_roles(const char *text)
@@ -241,6 +254,15 @@ static int open_sbrdf(scene_material *m, failure *f)
     int code = sbrdf_map_read(&map, &m->image[NACRE_ROLE_ALBEDO], "albedo=", &m->image[NACRE_ROLE_LOBES], "lobes=", f);
 
     if (!code) m->reflectance = sbrdf_map_brdf(&map);
+    return code;
+}
+
+static int open_palette(scene_material *m, failure *f)
+{
+    palette p;
+    int code = palette_read(&p, &m->image[NACRE_ROLE_PALETTE], "palette=", &m->image[NACRE_ROLE_INDEX], "index=", f);
+
+    if (!code) m->reflectance = palette_brdf(&p);
     return code;
 }
 
@@ -260,6 +282,7 @@ static int open_any(scene_material *m, const char *text, int exact, failure *f)
     if (code) return code;
     settle(m);
     if (!exact) return FAIL_NONE;
+    if (m->material.model == NACRE_MODEL_PALETTE) return open_palette(m, f);
     return m->material.model == NACRE_MODEL_SBRDF ? open_sbrdf(m, f) : brdf_open(&m->reflectance, text, f);
 }
 

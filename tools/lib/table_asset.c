@@ -170,32 +170,39 @@ static void fetch(const table_asset *t, int layer, const table_footprint *at, do
     }
 }
 
+void table_y(const table_asset *t, const table_point *point, double y[3])
+{
+    double first[4], second[4] = {0}, basis[TABLE_BASES];
+    table_footprint at = table_filter(t, point->t, point->s);
+    fetch(t, 0, &at, first);
+    if (t->layers == 2) fetch(t, 1, &at, second);
+    table_bases(point->a, basis);
+    for (int k = 0; k < 3; k++) {
+        y[k] = first[k];
+        switch (t->layout) {
+        case TABLE_ONE_LAYER:
+            y[k] += (first[3] - 0.5) * basis[0] * t->w[k];
+            break;
+        case TABLE_TWO_LAYERS:
+            y[k] += first[3] * t->d[k] + ((second[0] - 0.5) * t->w[k] + (second[1] - 0.5) * t->v[k]) * basis[0] +
+                    (second[2] - 0.5) * basis[1] * t->k2 + (second[3] - 0.5) * basis[2] * t->k4;
+            break;
+        case TABLE_TWO_LAYERS_EARLY:
+            y[k] += (second[k] - 0.5) * basis[0] * t->k1 + (first[3] - 0.5) * basis[1] * t->k2;
+            break;
+        }
+        y[k] = fmax(y[k], 0);
+    }
+}
+
 void table_decode(const table_asset *t, const double to_light[3], const double to_eye[3], double radiance[3])
 {
     table_point point;
-    double first[4], second[4] = {0}, basis[TABLE_BASES];
+    double y[3];
     radiance[0] = radiance[1] = radiance[2] = 0;
     if (!table_locate(&point, to_light, to_eye)) return;
-    table_footprint at = table_filter(t, point.t, point.s);
-    fetch(t, 0, &at, first);
-    if (t->layers == 2) fetch(t, 1, &at, second);
-    table_bases(point.a, basis);
-    for (int k = 0; k < 3; k++) {
-        double y = first[k];
-        switch (t->layout) {
-        case TABLE_ONE_LAYER:
-            y += (first[3] - 0.5) * basis[0] * t->w[k];
-            break;
-        case TABLE_TWO_LAYERS:
-            y += first[3] * t->d[k] + ((second[0] - 0.5) * t->w[k] + (second[1] - 0.5) * t->v[k]) * basis[0] +
-                 (second[2] - 0.5) * basis[1] * t->k2 + (second[3] - 0.5) * basis[2] * t->k4;
-            break;
-        case TABLE_TWO_LAYERS_EARLY:
-            y += (second[k] - 0.5) * basis[0] * t->k1 + (first[3] - 0.5) * basis[1] * t->k2;
-            break;
-        }
-        radiance[k] = pow(t->ymax * fmax(y, 0), t->p) / point.l_dot_h * to_light[2];
-    }
+    table_y(t, &point, y);
+    for (int k = 0; k < 3; k++) radiance[k] = pow(t->ymax * y[k], t->p) / point.l_dot_h * to_light[2];
 }
 
 typedef struct table_source {

@@ -70,6 +70,16 @@ static void add_coefficient(table_model *m, int kind, const double g[3])
 
 static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, grey[3] = {1, 1, 1};
 
+/* One coefficient, along a given W. */
+static table_model model_along(const table_asset *t, const double w[3])
+{
+    table_model m = {.width = t->width, .height = t->height, .power = t->p};
+    double most = fmax(fabs(w[0]), fmax(fabs(w[1]), fabs(w[2])));
+    const double g[3] = {w[0] / most, w[1] / most, w[2] / most};
+    add_coefficient(&m, 0, g);
+    return m;
+}
+
 /* The model of a tier. Its weight vectors come from a fit with one coefficient of a^2 per channel. */
 static table_model model_of(table_tier tier, const table_asset *t, const table_samples *s)
 {
@@ -173,6 +183,13 @@ static void encode(table_asset *t, const table_model *m, const table_samples *s,
     tried.rgba = need_memory(size, 1);
     for (int i = 0; i < SHARES + RANGES - 1; i++) {
         int range = i < SHARES ? 0 : i - SHARES + 1;
+        if (o->shared && o->shared->ymax > 0) { /* nothing to choose */
+            tried.ymax = o->shared->ymax;
+            memcpy(tried.w, o->shared->w, sizeof tried.w);
+            table_round(&tried, &p, x);
+            keep(t, &tried);
+            break;
+        }
         if (i > 0 && i < SHARES && t->layers == 1) continue;
         set_base(&tried, m, x, base_share[i < SHARES ? i : share]);
         set_ranges(&tried, m, x, pow(RANGE_STEP, -range));
@@ -196,9 +213,10 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
         return fail(f, FAIL_UNSUPPORTED, "%s: anisotropic: a half-vector table holds isotropic BRDFs", b->name);
     table_asset t = {.width = o.width, .height = o.height, .layers = o.tier == TABLE_FINE ? 2 : 1};
     t.layout = t.layers == 2 ? TABLE_TWO_LAYERS : TABLE_ONE_LAYER;
-    t.rows = round_q16(0.3);
-    double eps = o.eps > 0 ? o.eps : 1 / 256.0;
-    double e = brdf_exposure(b);
+    t.rows = round_q16(o.shared && o.shared->has_rows ? o.shared->rows : 0.3);
+    const table_shared none = {0}, *shared = o.shared ? o.shared : &none;
+    double eps = shared->eps > 0 ? shared->eps : o.eps > 0 ? o.eps : 1 / 256.0;
+    double e = shared->e > 0 ? shared->e : brdf_exposure(b);
     t.e = isfinite(e) ? round_q16(e) : 1; /* then the samples will tell where b is not finite */
     t.p = round_q16(o.power);
     t.eps = round_q16(eps);
@@ -206,13 +224,14 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
     table_samples samples;
     result = table_samples_make(&samples, b, &t, f);
     if (result) return result;
-    table_choose_place(&t, &samples, o.eps == 0);
+    if (!shared->has_rows) table_choose_place(&t, &samples, o.eps == 0 && shared->eps == 0);
     table_samples_place(&samples, &t);
     progress_begin(o.progress, "steps", 1 + DISPLAY_STEPS + RANGES);
     brdf_albedo(b, t.albedo);
     for (int k = 0; k < 3; k++) t.albedo[k] = round_q16(t.albedo[k]);
 
-    table_model model = model_of(o.tier, &t, &samples);
+    int along = shared->w[0] != 0 || shared->w[1] != 0 || shared->w[2] != 0;
+    table_model model = along ? model_along(&t, shared->w) : model_of(o.tier, &t, &samples);
     progress_add(o.progress, 1);
     double *x = fit(&model, &samples, &t, DISPLAY_STEPS);
     clamp_roots(&model, &samples, x);

@@ -22,12 +22,22 @@ typedef enum table_tier { TABLE_DEFAULT, TABLE_FINE, TABLE_RGB } table_tier;
 /* What the texels of a file hold: nacre_asset.h, NACRE_KEY_TABLE. */
 typedef enum table_layout { TABLE_ONE_LAYER, TABLE_TWO_LAYERS, TABLE_TWO_LAYERS_EARLY } table_layout;
 
-typedef struct table_options { /* zero means default */
-    int width, height;         /* texels, 4..128 (24 x 21; fine 32 x 21) */
-    table_tier tier;           /* TABLE_RGB: no phi_d term, W = 0 */
-    double power;              /* p: 4.8 or 4 (4.8) */
-    double eps;                /* 2^-16..1/2 (what suits the BRDF) */
-    progress *progress;        /* told of steps; may be NULL */
+/* Numbers that tables have in common; what is 0 each finds for itself. */
+typedef struct table_shared {
+    double e, eps; /* E and eps */
+    int has_rows;  /* 1: the row curve is rows */
+    double rows;   /* B */
+    double ymax;   /* and W, as stored; larger roots are cut */
+    double w[3];
+} table_shared;
+
+typedef struct table_options {  /* zero means default */
+    int width, height;          /* texels, 4..128 (24 x 21; fine 32 x 21) */
+    table_tier tier;            /* TABLE_RGB: no phi_d term, W = 0 */
+    double power;               /* p: 4.8 or 4 (4.8) */
+    double eps;                 /* 2^-16..1/2 (what suits the BRDF) */
+    progress *progress;         /* told of steps; may be NULL */
+    const table_shared *shared; /* one layer: numbers that are given; may be NULL */
 } table_options;
 
 typedef struct table_asset {

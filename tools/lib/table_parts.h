@@ -79,6 +79,9 @@ void table_choose_place(table_asset *t, const table_samples *s, int choose_eps);
    radiance so that highlights keep some weight. Negative roots count as 0. */
 double table_show(const table_sample *s, double power, double root, double *slope);
 
+/* y of a table at a point, R G B, not below 0: (Ymax y)^p = pi E f_r l.h. */
+void table_y(const table_asset *t, const table_point *point, double y[3]);
+
 /* What a texel holds: three base roots, then coefficients. Coefficient j adds x[3 + j] basis[kind] g[channel]. */
 #define TABLE_MAX_COEFFICIENTS 5
 #define TABLE_MAX_UNKNOWNS     (3 + TABLE_MAX_COEFFICIENTS)
