@@ -38,7 +38,7 @@ typedef struct nacre_gles_desc {
 } nacre_gles_desc;
 
 /* Bytes of the block for this desc, which must be 4-byte aligned; 0 if desc is not valid. On 64-bit machines about
-   984 + 140 a program + 376 an item + 16 a texture: 8,892 by default. */
+   984 + 144 a program + 400 an item + 16 a texture: 9,308 by default. */
 size_t nacre_gles_size(const nacre_gles_desc *desc);
 
 /* The calling thread's GL context must be current, here and in every call below but abandon, texture_bytes and changed;
