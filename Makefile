@@ -121,7 +121,11 @@ $(O)/src/$(1)/%.o: src/$(1)/%.c Makefile
 endef
 $(foreach room,$(ROOMS),$(eval $(call room_rule,$(room))))
 
-# Kernels for one instruction set stand in files of their own; others see empty ones.
+# Kernels for one instruction set stand in files of their own; others see empty ones. Their loops over planes and edges are
+# worth unrolling.
+ifeq ($(config),release)
+$(O)/src/soft/kernels_%.o: RUNTIME_FLAGS += -O3
+endif
 ifneq (,$(filter x86_64% i386% i686%,$(shell $(CC) -dumpmachine 2>/dev/null)))
 $(O)/src/soft/kernels_avx2.o: RUNTIME_FLAGS += -mavx2
 $(O)/src/soft/kernels_sse41.o: RUNTIME_FLAGS += -msse4.1

@@ -81,7 +81,7 @@ int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t inde
         corner *const c = &polygon[0][i];
         const soft_vertex *const v = &soft->vertex[item->first_vertex + index[i]];
 
-        soft_clip_position(&item->camera, &item->mesh->vertices[index[i]], c->clip);
+        soft_clip_position(&item->camera, item->mesh->vertices[index[i]].position, c->clip);
         for (k = 0; k < 3; k++) c->normal[k] = v->normal[k];
         soft_detail_of(item, index[i], &c->detail);
     }

@@ -20,7 +20,8 @@
 /* ---- triangles -------------------------------------------------------------------------------------------------------------- */
 
 typedef struct span { /* planes at its first pixel, and their steps: depth, normal x, y, z */
-    uint32_t value[SOFT_PLANES], step[SOFT_PLANES];
+    soft_values value;
+    uint32_t step[SOFT_PLANES];
 } span;
 
 ASSEMBLY static void fill(const span *s, uint16_t *depth, uint32_t *xy, int16_t *z, const uint16_t *depth_end)
@@ -52,16 +53,13 @@ ASSEMBLY static void fill(const span *s, uint16_t *depth, uint32_t *xy, int16_t 
             "b      3b                     \n");
 }
 
-static inline void fill_span(const soft_triangle *t, const uint32_t value[SOFT_PLANES], const soft_pixels *to,
-                             uint32_t at, int32_t count)
+static inline void fill_span(const soft_triangle *t, soft_values v, const soft_pixels *to, uint32_t at, int32_t count)
 {
     span s;
     int i;
 
-    for (i = 0; i < SOFT_PLANES; i++) {
-        s.value[i] = value[i];
-        s.step[i] = t->plane[i].dx;
-    }
+    s.value = v;
+    for (i = 0; i < SOFT_PLANES; i++) s.step[i] = t->plane[i].dx;
     fill(&s, to->depth + at, to->xy + at, to->z + at, to->depth + at + count);
 }
 

@@ -236,7 +236,7 @@ nacre_result nacre_soft_prepare(nacre_soft *soft, const nacre_soft_item *items, 
     for (i = 0; i < soft->item_count; i++) {
         soft_item *const item = &soft->item[i];
 
-        soft_camera_depth(&item->camera, p.low, p.high);
+        soft_camera_depth(soft, &item->camera, p.low, p.high);
         soft_transform(soft, &item->camera, item->mesh, soft->vertex + item->first_vertex);
     }
     soft_sort(soft);

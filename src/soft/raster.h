@@ -18,22 +18,34 @@ static void own_span(const soft_triangle *t, uint32_t d, const soft_pixels *to, 
 static void fill_part(const soft_triangle *t, soft_edge *left, soft_edge *right, int32_t row, int32_t end,
                       const soft_pixels *to, unsigned item)
 {
+    const soft_plane *const p = t->plane;
+    const uint32_t below = (uint32_t)(row - t->row0);
+    uint32_t at = (uint32_t)((row - to->row0) * to->stride);
+    soft_values line; /* at x0 */
+
+    line.depth = p[0].at + p[0].dy * below;
+    line.x = p[1].at + p[1].dy * below;
+    line.y = p[2].at + p[2].dy * below;
+    line.z = p[3].at + p[3].dy * below;
     for (; row < end; row++) {
         const int32_t x0 = left->x < to->x0 ? to->x0 : left->x, x1 = right->x > to->x1 ? to->x1 : right->x;
 
         if (x0 < x1) {
-            uint32_t value[SOFT_PLANES], at;
-            int i;
+            const uint32_t over = (uint32_t)(x0 - t->x0);
+            soft_values v;
 
-            for (i = 0; i < SOFT_PLANES; i++) {
-                const soft_plane *const p = &t->plane[i];
-
-                value[i] = p->at + p->dx * (uint32_t)(x0 - t->x0) + p->dy * (uint32_t)(row - t->row0);
-            }
-            at = (uint32_t)((row - to->row0) * to->stride + x0);
-            if (to->item) own_span(t, value[0], to, at, x1 - x0, item);
-            fill_span(t, value, to, at, x1 - x0);
+            v.depth = line.depth + p[0].dx * over;
+            v.x = line.x + p[1].dx * over;
+            v.y = line.y + p[2].dx * over;
+            v.z = line.z + p[3].dx * over;
+            if (to->item) own_span(t, v.depth, to, at + (uint32_t)x0, x1 - x0, item);
+            fill_span(t, v, to, at + (uint32_t)x0, x1 - x0);
         }
+        line.depth += p[0].dy;
+        line.x += p[1].dy;
+        line.y += p[2].dy;
+        line.z += p[3].dy;
+        at += (uint32_t)to->stride;
         soft_step_edge(left);
         soft_step_edge(right);
     }

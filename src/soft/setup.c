@@ -29,12 +29,12 @@ int soft_triangle_rows(const soft_vertex *a, const soft_vertex *b, const soft_ve
     return *y0 < *y1;
 }
 
-/* The pixel x where the edge is crossed in a row is ceil(n / whole) off the column of the top. */
-static void set_edge(soft_edge *out, const soft_vertex *top, const soft_vertex *bottom, int32_t row)
+/* The pixel x where the edge is crossed in a row is ceil(n / whole) off the column of the top. From `row` up to `end`. */
+static void set_edge(soft_edge *out, const soft_vertex *top, const soft_vertex *bottom, int32_t row, int32_t end)
 {
     const int32_t dx = bottom->x - top->x, dy = bottom->y - top->y, from = top->x - 8, whole = 16 * dy;
     const int64_t n = (int64_t)(16 * row + 8 - top->y) * dx + (int64_t)(from & 15) * dy + whole - 1;
-    const int32_t first = floor_div(n, whole), step = floor_div(dx, dy);
+    const int32_t first = floor_div(n, whole), step = end - row > 1 ? floor_div(dx, dy) : 0;
 
     out->x = (from >> 4) + first;
     out->rest = (int32_t)(n - (int64_t)first * whole);
@@ -65,9 +65,9 @@ int soft_triangle_set(soft_triangle *out, const soft_vertex *const corner[3], in
     if (out->y0 >= out->y2) return 0;
     out->y1 = y1 < out->y0 ? out->y0 : y1 > out->y2 ? out->y2 : y1;
     out->long_left = (uint8_t)clockwise;
-    set_edge(&out->edge[0], top, bottom, out->y0);
-    if (out->y1 > out->y0) set_edge(&out->edge[1], top, middle, out->y0);
-    if (out->y2 > out->y1) set_edge(&out->edge[2], middle, bottom, out->y1);
+    set_edge(&out->edge[0], top, bottom, out->y0, out->y2);
+    if (out->y1 > out->y0) set_edge(&out->edge[1], top, middle, out->y0, out->y1);
+    if (out->y2 > out->y1) set_edge(&out->edge[2], middle, bottom, out->y1, out->y2);
     out->x0 = a->x >> 4;
     out->row0 = a->y >> 4;
     soft_set_planes(out->plane, corner, area);

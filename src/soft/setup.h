@@ -16,6 +16,11 @@ static inline int soft_culled(int64_t area, int cull)
     return cull == NACRE_SOFT_CULL_BACK ? area >= 0 : cull == NACRE_SOFT_CULL_FRONT ? area <= 0 : !area;
 }
 
+/* The planes' values at a pixel: no array, because compilers that make vectors of it wait for its parts. */
+typedef struct soft_values {
+    uint32_t depth, x, y, z;
+} soft_values;
+
 typedef struct soft_slope { /* value x 16 / area = value x inverse 2^-shift */
     int64_t inverse;
     int shift;

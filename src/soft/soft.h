@@ -62,17 +62,18 @@ typedef struct soft_pixels {
 } soft_pixels;
 
 typedef struct soft_camera { /* of one item, see transform.c */
-    int64_t row[4][4];       /* clip = (row . (position, 32768)) >> 15: one common scale, below 2^30 */
-    int32_t normal[3][3];    /* q15: a vertex's normal into the turned frame, not longer */
-    int32_t tangent[3][3];   /* the same for tangents */
+    int32_t row[4][4];       /* clip = (row . (position, 32768)) >> 15: one common scale, below 2^30 */
+    int32_t screen[3][3];    /* affine: x and y = (screen . position + screen_at) >> 28, z: >> 15 */
+    int64_t screen_at[3];
+    int32_t normal[3][3];  /* q15: a vertex's normal into the turned frame, not longer */
+    int32_t tangent[3][3]; /* the same for tangents */
     uint8_t mirrored;
     int64_t depth_low;   /* z / w, q30, that is depth 0 */
     int64_t depth_scale; /* q24 */
     int32_t nearest;     /* least w, in the scale of row */
-    int64_t inverse;     /* of w, where it is the same everywhere; else 0 */
-    int32_t zeros;       /* inverse is 2^(62 - zeros) / w */
     int64_t depth_step;  /* of z / w, q46, for a step of 16-bit depth */
     uint8_t inside;      /* nothing needs clipping */
+    uint8_t affine;      /* and w is the same everywhere */
     uint8_t half;        /* normals become half of normal + eye */
 } soft_camera;
 
@@ -170,10 +171,10 @@ size_t soft_light_bytes(const nacre_soft_desc *desc); /* of one light of an item
 /* *low, *high: widened by the depths (z / w, q30) of the item. turn: of shade_frame. */
 void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_view *view, int32_t turn[3][3],
                      int64_t *low, int64_t *high);
-void soft_camera_depth(soft_camera *out, int64_t low, int64_t high);
+void soft_camera_depth(const nacre_soft *soft, soft_camera *out, int64_t low, int64_t high);
 void soft_transform(const nacre_soft *soft, const soft_camera *camera, const nacre_mesh *mesh, soft_vertex *out);
 void soft_to_half(int16_t n[3]);
-void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_t clip[4]);
+void soft_clip_position(const soft_camera *camera, const int16_t position[3], int32_t clip[4]);
 void soft_project(const nacre_soft *soft, const soft_camera *camera, const int32_t clip[4], soft_vertex *out);
 
 /* clip.c: the part of a triangle inside the frustum (and 4 frames around it); returns the corners of a convex polygon. */

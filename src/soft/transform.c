@@ -5,6 +5,8 @@
 #define GUARD       4 /* times the frame: vertices beyond it are clipped, coordinates stay below 2^18 */
 #define LEAST_RANGE 4096
 
+enum { FEW = 16 };
+
 /* ---- the camera of an item ------------------------------------------------------------------------------------------ */
 
 static uint64_t size_of(int64_t x)
@@ -32,7 +34,7 @@ static void level(int64_t *m, int count, int bits)
 static void set_rows(soft_camera *out, const nacre_view *view, const nacre_mat4 *object, const nacre_mesh *mesh)
 {
     const nacre_q16 *const a = view->view_to_clip.m, *const b = object->m;
-    int64_t m[16];
+    int64_t m[16], row[16];
     uint64_t most = 0;
     int i, j, shift;
 
@@ -41,20 +43,20 @@ static void set_rows(soft_camera *out, const nacre_view *view, const nacre_mat4 
         for (j = 0; j < 4; j++) m[i] += fx_shift((int64_t)a[4 * j + i / 4] * b[i % 4 * 4 + j], 2);
     }
     level(m, 16, 29);
-    for (i = 0; i < 4; i++) {
+    for (i = 0; i < 16; i += 4) {
         uint64_t sum;
 
-        out->row[i][3] = m[4 * i + 3] * 65536;
+        row[i + 3] = m[i + 3] * 65536;
         for (j = 0; j < 3; j++) {
-            out->row[i][j] = m[4 * i + j] * mesh->half_extent[j];
-            out->row[i][j] += out->row[i][j] / 32768; /* 32767 is the extent */
-            out->row[i][3] += m[4 * i + j] * mesh->centre[j];
+            row[i + j] = m[i + j] * mesh->half_extent[j];
+            row[i + j] += row[i + j] / 32768; /* 32767 is the extent */
+            row[i + 3] += m[i + j] * mesh->centre[j];
         }
-        sum = size_of(out->row[i][0]) + size_of(out->row[i][1]) + size_of(out->row[i][2]) + size_of(out->row[i][3]);
+        sum = size_of(row[i]) + size_of(row[i + 1]) + size_of(row[i + 2]) + size_of(row[i + 3]);
         if (sum > most) most = sum;
     }
     shift = most ? fx_top_bit(most) - 29 : 0; /* sums stay below 2^30 */
-    for (i = 0; i < 16; i++) out->row[i / 4][i % 4] = scaled(out->row[i / 4][i % 4], shift);
+    for (i = 0; i < 16; i++) out->row[i / 4][i % 4] = (int32_t)scaled(row[i], shift);
 }
 
 /* turn x m, its Frobenius norm at most 1 in q15. m: below 2^30. */
@@ -96,15 +98,17 @@ static void set_normals(soft_camera *out, const nacre_mat4 *object, int32_t turn
     set_turned(out->tangent, turn, linear, 1);
 }
 
-static void clip_point(const soft_camera *camera, const int32_t p[3], int64_t out[4])
+static int64_t along(const int32_t r[3], const int16_t p[3], int64_t at)
+{
+    return (int64_t)r[0] * p[0] + (int64_t)r[1] * p[1] + (int64_t)r[2] * p[2] + at;
+}
+
+void soft_clip_position(const soft_camera *camera, const int16_t position[3], int32_t clip[4])
 {
     int i;
 
-    for (i = 0; i < 4; i++) {
-        const int64_t *const r = camera->row[i];
-
-        out[i] = (r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3] * 32768) >> 15;
-    }
+    for (i = 0; i < 4; i++)
+        clip[i] = (int32_t)(along(camera->row[i], position, (int64_t)camera->row[i][3] * 32768) >> 15);
 }
 
 /* What the corners of the mesh's box say: range of depth, least w, whether anything needs clipping. */
@@ -115,19 +119,20 @@ static void look_at_box(soft_camera *out, int64_t *low, int64_t *high)
     out->inside = 1;
     out->nearest = INT32_MAX;
     for (i = 0; i < 8; i++) {
-        const int32_t p[3] = {i & 1 ? 32767 : -32767, i & 2 ? 32767 : -32767, i & 4 ? 32767 : -32767};
-        int64_t clip[4], z;
+        const int16_t p[3] = {i & 1 ? 32767 : -32767, i & 2 ? 32767 : -32767, i & 4 ? 32767 : -32767};
+        int32_t clip[4];
+        int64_t z;
 
-        clip_point(out, p, clip);
+        soft_clip_position(out, p, clip);
         for (k = 0; k < 2; k++)
-            if (clip[k] > GUARD * clip[3] || clip[k] < -GUARD * clip[3]) out->inside = 0;
+            if (clip[k] > GUARD * (int64_t)clip[3] || clip[k] < -GUARD * (int64_t)clip[3]) out->inside = 0;
         if (clip[3] <= 0 || clip[2] > clip[3] || clip[2] < -clip[3]) {
             out->inside = 0;
             *low = -((int64_t)1 << 30);
             *high = (int64_t)1 << 30;
         }
         if (clip[3] <= 0) continue;
-        if (clip[3] < out->nearest) out->nearest = (int32_t)clip[3];
+        if (clip[3] < out->nearest) out->nearest = clip[3];
         z = fx_div(clip[2] * ((int64_t)1 << 30), clip[3]);
         if (z < *low) *low = z;
         if (z > *high) *high = z;
@@ -140,15 +145,32 @@ void soft_camera_set(soft_camera *out, const nacre_soft_item *item, const nacre_
     set_rows(out, view, &item->object_to_view, item->mesh);
     set_normals(out, &item->object_to_view, turn);
     look_at_box(out, low, high);
-    out->inverse = 0;
-    if (!(out->row[3][0] | out->row[3][1] | out->row[3][2]) && out->row[3][3] > 0) {
-        out->zeros = fx_leading_zeros((uint32_t)out->row[3][3]);
-        out->inverse = fx_reciprocal((uint32_t)out->row[3][3] << out->zeros);
-    }
+    out->affine = out->inside && !(out->row[3][0] | out->row[3][1] | out->row[3][2]);
     out->half = item->lit && !(item->material && item->material->image[NACRE_ROLE_NORMAL]);
 }
 
-void soft_camera_depth(soft_camera *out, int64_t low, int64_t high)
+/* Viewport and depth into the rows of an affine camera, whose sums are within 4 w, and whose depths are in range. */
+static void set_screen(const nacre_soft *soft, soft_camera *camera)
+{
+    const int32_t half[2] = {soft->desc.width * 8, soft->desc.height * -8}, w = camera->row[3][3];
+    int64_t part[3][4];
+    int i, k;
+
+    for (i = 0; i < 12; i++) {
+        const int64_t clip = camera->row[i / 4][i % 4];
+
+        part[i / 4][i % 4] = i < 8 ? fx_div(clip * half[i / 4] * 8192, w) : fx_div(clip * FX_Q28_ONE * 4, w);
+    }
+    part[2][3] -= camera->depth_low;
+    for (k = 0; k < 4; k++) part[2][k] = fx_shift(part[2][k] * camera->depth_scale, 24);
+    for (i = 0; i < 3; i++) {
+        for (k = 0; k < 3; k++) camera->screen[i][k] = (int32_t)part[i][k];
+        camera->screen_at[i] = part[i][3] * 32768;
+        if (i < 2) camera->screen_at[i] += (int64_t)(i ? -half[i] : half[i]) * FX_Q28_ONE + FX_Q28_ONE / 2;
+    }
+}
+
+void soft_camera_depth(const nacre_soft *soft, soft_camera *out, int64_t low, int64_t high)
 {
     if (low < -((int64_t)1 << 30)) low = -((int64_t)1 << 30);
     if (high > (int64_t)1 << 30) high = (int64_t)1 << 30;
@@ -156,6 +178,7 @@ void soft_camera_depth(soft_camera *out, int64_t low, int64_t high)
     out->depth_low = low;
     out->depth_scale = fx_div((int64_t)SOFT_MOST_DEPTH << 24, high - low);
     out->depth_step = fx_div((high - low) * 65536, SOFT_MOST_DEPTH >> 15);
+    if (out->affine) set_screen(soft, out);
 }
 
 /* ---- vertices -------------------------------------------------------------------------------------------------------- */
@@ -168,28 +191,31 @@ static int outside(const int32_t clip[4])
            w <= 0;
 }
 
+static int32_t held_depth(int64_t depth)
+{
+    return depth < 0 ? 0 : depth > SOFT_MOST_DEPTH ? SOFT_MOST_DEPTH : (int32_t)depth;
+}
+
 void soft_project(const nacre_soft *soft, const soft_camera *camera, const int32_t clip[4], soft_vertex *out)
 {
-    const int zeros = camera->inverse ? camera->zeros : fx_leading_zeros((uint32_t)clip[3]);
-    const int64_t inverse = camera->inverse ? camera->inverse : fx_reciprocal((uint32_t)clip[3] << zeros);
+    const int zeros = fx_leading_zeros((uint32_t)clip[3]);
+    const int64_t inverse = fx_reciprocal((uint32_t)clip[3] << zeros);
     const int64_t x = clip[0] * inverse >> (34 - zeros), y = clip[1] * inverse >> (34 - zeros); /* q28 */
     const int64_t z = (clip[2] * inverse >> (32 - zeros)) - camera->depth_low;
-    const int64_t depth = z <= 0 ? 0 : z * camera->depth_scale >> 24, near = camera->nearest * inverse >> (46 - zeros);
+    const int64_t near = camera->nearest * inverse >> (46 - zeros);
 
     out->x = (int32_t)((x * (soft->desc.width * 8) + (FX_Q28_ONE / 2)) >> 28) + soft->desc.width * 8;
     out->y = soft->desc.height * 8 - (int32_t)((y * (soft->desc.height * 8) + (FX_Q28_ONE / 2)) >> 28);
-    out->z = depth > SOFT_MOST_DEPTH ? SOFT_MOST_DEPTH : (int32_t)depth;
+    out->z = held_depth(z <= 0 ? 0 : z * camera->depth_scale >> 24);
     out->nearness = (uint16_t)(near > 65535 ? 65535 : near < 1 ? 1 : near);
 }
 
-void soft_clip_position(const soft_camera *camera, const nacre_vertex *v, int32_t clip[4])
+static void project_affine(const soft_camera *camera, const int16_t position[3], soft_vertex *out)
 {
-    const int32_t p[3] = {v->position[0], v->position[1], v->position[2]};
-    int64_t wide[4];
-    int i;
-
-    clip_point(camera, p, wide);
-    for (i = 0; i < 4; i++) clip[i] = (int32_t)wide[i];
+    out->x = (int32_t)(along(camera->screen[0], position, camera->screen_at[0]) >> 28);
+    out->y = (int32_t)(along(camera->screen[1], position, camera->screen_at[1]) >> 28);
+    out->z = held_depth(along(camera->screen[2], position, camera->screen_at[2]) >> 15);
+    out->nearness = 65535;
 }
 
 /* Half of normal + eye, held within 47.7 degrees of the eye: convex, so that no interpolated one leaves the picture of a
@@ -213,10 +239,10 @@ void soft_to_half(int16_t n[3])
     }
 }
 
-static void turn_normal(const soft_camera *camera, const int16_t from[4], int16_t out[3])
+/* Turned, not yet of unit length. */
+static void turn_normal(const soft_camera *camera, const int16_t from[4], uint32_t *xy, int16_t *z)
 {
     int32_t n[3];
-    uint32_t xy;
     int i;
 
     for (i = 0; i < 3; i++) {
@@ -224,27 +250,50 @@ static void turn_normal(const soft_camera *camera, const int16_t from[4], int16_
 
         n[i] = (m[0] * from[0] >> 16) + (m[1] * from[1] >> 16) + (m[2] * from[2] >> 16);
     }
-    xy = shade_pack_xy(n[0], n[1]);
-    out[2] = (int16_t)n[2];
-    shade_normalise(&xy, &out[2], 1);
-    out[0] = (int16_t)(xy & 65535u);
-    out[1] = (int16_t)(xy >> 16);
-    if (camera->half) soft_to_half(out);
+    *xy = shade_pack_xy(n[0], n[1]);
+    *z = (int16_t)n[2];
+}
+
+/* A few at a time: kernels like it. */
+static void transform_normals(const nacre_soft *soft, const soft_camera *camera, const nacre_vertex *from, int count,
+                              soft_vertex *out)
+{
+    uint32_t xy[FEW];
+    int16_t z[FEW];
+    int i;
+
+    for (i = 0; i < count; i++) turn_normal(camera, from[i].normal, &xy[i], &z[i]);
+    soft->desc.kernels->normalise(xy, z, count);
+    for (i = 0; i < count; i++) {
+        out[i].normal[0] = (int16_t)(xy[i] & 65535u);
+        out[i].normal[1] = (int16_t)(xy[i] >> 16);
+        out[i].normal[2] = z[i];
+        if (camera->half) soft_to_half(out[i].normal);
+    }
+}
+
+static void transform_position(const nacre_soft *soft, const soft_camera *camera, const int16_t position[3],
+                               soft_vertex *out)
+{
+    int32_t clip[4];
+
+    if (camera->affine) {
+        project_affine(camera, position, out);
+        return;
+    }
+    soft_clip_position(camera, position, clip);
+    if (!camera->inside && outside(clip))
+        out->z = SOFT_OUTSIDE;
+    else
+        soft_project(soft, camera, clip, out);
 }
 
 void soft_transform(const nacre_soft *soft, const soft_camera *camera, const nacre_mesh *mesh, soft_vertex *out)
 {
-    uint32_t i;
+    const int count = mesh->vertex_count;
+    int i;
 
-    for (i = 0; i < mesh->vertex_count; i++) {
-        const nacre_vertex *const v = &mesh->vertices[i];
-        int32_t clip[4];
-
-        soft_clip_position(camera, v, clip);
-        turn_normal(camera, v->normal, out[i].normal);
-        if (!camera->inside && outside(clip))
-            out[i].z = SOFT_OUTSIDE;
-        else
-            soft_project(soft, camera, clip, &out[i]);
-    }
+    for (i = 0; i < count; i += FEW)
+        transform_normals(soft, camera, mesh->vertices + i, count - i < FEW ? count - i : FEW, out + i);
+    for (i = 0; i < count; i++) transform_position(soft, camera, mesh->vertices[i].position, &out[i]);
 }
