@@ -98,8 +98,9 @@ nacre_result nacre_soft_lit_rows(const nacre_soft_lit_desc *desc, void *texels, 
 
 typedef enum nacre_soft_cull { NACRE_SOFT_CULL_BACK = 0, NACRE_SOFT_CULL_NONE, NACRE_SOFT_CULL_FRONT } nacre_soft_cull;
 
-/* Materials: TABLE; SPHERES without the cosine, texels RGB8 or RGBA8; SBRDF: x^n is computed (an image of role POWER is not
-   looked at), levels are blended as in GL, the texel's opacity is the alpha where there is no mask. */
+/* Materials: TABLE; SPHERES, texels RGB8 or RGBA8 (of more than 16 images with directions per pixel, 16 are used); SBRDF: x^n is
+   computed (an image of role POWER is not looked at), levels are blended as in GL, the texel's opacity is the alpha where
+   there is no mask. */
 typedef struct nacre_soft_item {
     const nacre_mesh *mesh;         /* borrowed until the last band of the frame is drawn */
     const nacre_material *material; /* the same */
@@ -114,7 +115,7 @@ typedef struct nacre_soft_item {
 
 /* Bytes of the object, 0 if desc is not valid; on a 32-bit CPU, each part rounded up to 16:
      128 + 20 max_vertices + the larger of 4 max_triangles (above 65,536: 8) and 2,112 + 4 (bands + 2)
-     + max_items (480 + max_lights (56 + 16 table_columns (fine: 32)))
+     + max_items (480 + max_lights (56 + 16 table_columns (fine: 32); 176 or more))
    and of the scratch for each band that is drawn at the same time:
      128 + band_rows x width x 8 (several items, or blend: 9).
    320 x 240 RGB565 with 530 vertices, 992 triangles, two band buffers and a lit sphere of 64: 54 KB; 160 x 128 in bands of

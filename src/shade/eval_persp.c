@@ -1,10 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-#include "eval_persp.h"
-
-#include "eval_inner.h"
-
-#define LOG2_CODE_Q12 61417       /* log2(32640): code 255 x 128 */
-#define MOST_LOG2     (18 * 4096) /* four times white */
+#include "eval_persp_inner.h"
 
 /* ---- set-up --------------------------------------------------------------------------------------------------------- */
 
@@ -92,14 +87,9 @@ static int shorten(const int32_t v[3], int32_t out[3])
 
 /* ---- one light ------------------------------------------------------------------------------------------------------ */
 
-typedef struct incoming {
-    eval_surface l;      /* unit */
-    int32_t log2_square; /* of the distance, q12; 0 for directional lights */
-} incoming;
-
-static incoming arriving(const shade_persp_light *light, const shade_seen *seen, int i)
+shade_arriving shade_arriving_of(const shade_persp_light *light, const shade_seen *seen, int i)
 {
-    incoming in;
+    shade_arriving in;
     int32_t r[3], v[3];
     int k, shift;
 
@@ -122,25 +112,14 @@ static incoming arriving(const shade_persp_light *light, const shade_seen *seen,
     return in;
 }
 
-EVAL_INLINE int32_t dot(const eval_surface *a, const eval_surface *b)
-{
-    return a->x * b->x + a->y * b->y + a->z * b->z;
-}
-
-typedef struct halfway {
-    eval_surface h;
-    int32_t l_dot_h; /* q14, at least 2^-6 */
-    int32_t s, away; /* sqrt(1 - l.h) and its square, q15 */
-} halfway;
-
-static halfway halfway_of(const eval_surface *l, const eval_surface *v)
+shade_halfway shade_halfway_of(const eval_surface *l, const eval_surface *v)
 {
     const int32_t x = (l->x + v->x) >> 1, y = (l->y + v->y) >> 1, z = (l->z + v->z) >> 1;
-    halfway out;
+    shade_halfway out;
     int32_t dx, dy, dz, square, s;
 
     out.h = eval_unit(shade_pack_xy(x, y), z);
-    out.l_dot_h = dot(l, &out.h) >> 14;
+    out.l_dot_h = eval_dot_of(l, &out.h) >> 14;
     if (out.l_dot_h < 256) out.l_dot_h = 256;
     dx = l->x - out.h.x;
     dy = l->y - out.h.y;
@@ -171,7 +150,7 @@ static void sample(const uint8_t *texels, uint32_t width, int32_t column, int32_
 }
 
 /* Roots y, codes x 128. a: n.l - n.v, q14. */
-static void roots(const shade_table_persp *t, const eval_surface *n, const halfway *m, int32_t a, int32_t out[3])
+static void roots(const shade_table_persp *t, const eval_surface *n, const shade_halfway *m, int32_t a, int32_t out[3])
 {
     const int32_t dx = n->x - m->h.x, dy = n->y - m->h.y, dz = n->z - m->h.z;
     const uint32_t distance = (uint32_t)(dx * dx) + (uint32_t)(dy * dy) + (uint32_t)(dz * dz) + (uint32_t)t->two_eps;
@@ -211,15 +190,15 @@ static void add_pixel(const shade_table_persp *t, const shade_persp_light *light
 {
     const eval_surface n = eval_surface_of(seen->normal_xy[i], seen->normal_z[i]);
     const eval_surface v = eval_surface_of(seen->eye_xy[i], seen->eye_z[i]);
-    const incoming in = arriving(light, seen, i);
-    const int32_t nl = dot(&n, &in.l);
-    halfway m;
+    const shade_arriving in = shade_arriving_of(light, seen, i);
+    const int32_t nl = eval_dot_of(&n, &in.l);
+    shade_halfway m;
     int32_t y[3], shared;
     int k;
 
     if (nl <= 0) return;
-    m = halfway_of(&in.l, &v);
-    roots(t, &n, &m, (nl - dot(&n, &v)) >> 14, y);
+    m = shade_halfway_of(&in.l, &v);
+    roots(t, &n, &m, (nl - eval_dot_of(&n, &v)) >> 14, y);
     /* n.l / (2 l.h) / distance^2, and 16 more for q16 */
     shared =
         eval_log2((uint32_t)nl) - 28 * 4096 - (eval_log2((uint32_t)m.l_dot_h) - 13 * 4096) - in.log2_square + 16 * 4096;

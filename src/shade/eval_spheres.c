@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Sphere images without the cosine, whole or quarters, per unit normal (shaders_gles/spheres.glsl): bilinear, level 0. */
-#include "eval_inner.h"
+#include "eval_image.h"
 
 #include <string.h>
 
-#define LOG2_9_Q28    850920263 /* log2(9) */
-#define CODE_LOG2_Q16 740       /* log2(32768 / 32640) twice, as texels of 255 are 32640 here */
+#define CODE_LOG2_Q16 740 /* log2(32768 / 32640) twice, as texels of 255 are 32640 here */
 
 static void to_q15(int16_t out[3], const int32_t row_q28[3], int sign)
 {
@@ -36,8 +35,7 @@ static void set_quarters(shade_spheres_eval *out, const shade_quarter_setup *set
     to_q15(out->x[0], setup->x_q28, 1);
     to_q15(out->y, setup->y_q28, 1);
     out->weight = (int16_t)eval_least((int32_t)fx_shift(setup->weight_q28, 13), 32767);
-    /* 2^17 texels (as place_of holds them) x 2^4 for log2(9), q12 */
-    out->texels_per_log2 = (int32_t)fx_div((int64_t)(size - 1) * ((int64_t)1 << 37), LOG2_9_Q28);
+    out->texels_per_log2 = shade_quarter_texels(size);
 }
 
 int shade_spheres_eval_prepare(shade_spheres_eval *out, const shade_light *light, const shade_material *material,
@@ -74,60 +72,6 @@ int shade_spheres_eval_prepare(shade_spheres_eval *out, const shade_light *light
     return 1;
 }
 
-typedef struct place { /* between texels along one axis */
-    uint32_t at, next; /* byte offsets */
-    int32_t f;         /* q15 */
-} place;
-
-/* held: texels from the first one's centre, q17, 0..size - 1. step: bytes from texel to texel. */
-static inline place place_between(int32_t held, int32_t size, uint32_t step)
-{
-    const uint32_t index = (uint32_t)held >> 17;
-    place out;
-
-    out.at = index * step;
-    out.next = out.at + (index + 1 < (uint32_t)size ? step : 0);
-    out.f = held >> 2 & 32767;
-    return out;
-}
-
-static inline int32_t hold(int32_t texel, int32_t size)
-{
-    const int32_t most = (size - 1) * 131072;
-
-    return texel < 0 ? 0 : eval_least(texel, most);
-}
-
-/* coordinate: texture coordinate - 1/2, q29. */
-static inline place place_of(int32_t coordinate, int32_t size, uint32_t step)
-{
-    return place_between(hold(((coordinate >> 12) + 65536) * size - 65536, size), size, step);
-}
-
-/* x: q29. log2(8 |x| + 1) = log2(|x| + 1/8) + 3 */
-static inline place quarter_place(const shade_spheres_eval *e, int32_t x, uint32_t step)
-{
-    const int32_t octaves = eval_log2((uint32_t)(x < 0 ? -x : x) + (1u << 26)) - 26 * 4096;
-
-    return place_between(hold((octaves * e->texels_per_log2 + 8) >> 4, e->size), e->size, step);
-}
-
-static inline int32_t mix(int32_t a, int32_t b, int32_t f)
-{
-    return a + ((b - a) * f >> 15);
-}
-
-/* Codes x 128. */
-static inline void sample(const uint8_t *image, place x, place y, int32_t out[3])
-{
-    const uint8_t *const t00 = image + y.at + x.at, *const t10 = image + y.at + x.next;
-    const uint8_t *const t01 = image + y.next + x.at, *const t11 = image + y.next + x.next;
-    int i;
-
-    for (i = 0; i < 3; i++)
-        out[i] = mix(mix(t00[i] * 128, t10[i] * 128, x.f), mix(t01[i] * 128, t11[i] * 128, x.f), y.f);
-}
-
 static inline int32_t dot(const eval_surface *n, const int16_t row[3])
 {
     return n->x * row[0] + n->y * row[1] + n->z * row[2];
@@ -141,19 +85,20 @@ static inline void add_pixel(const shade_spheres_eval *e, const eval_surface *n,
     int i;
 
     if (e->texels_per_log2) {
-        const place x = quarter_place(e, dot(n, e->x[0]), texel), y = quarter_place(e, dot(n, e->y), stride);
+        const image_place x = image_quarter(dot(n, e->x[0]), e->texels_per_log2, e->size, texel);
+        const image_place y = image_quarter(dot(n, e->y), e->texels_per_log2, e->size, stride);
 
-        sample(e->image[0], x, y, root[0]);
-        sample(e->image[1], x, y, root[1]);
+        image_sample(e->image[0], x, y, root[0]);
+        image_sample(e->image[1], x, y, root[1]);
     } else {
         const int32_t depth = dot(n, e->rim);
-        const place y = place_of(dot(n, e->y), e->size, stride);
+        const image_place y = image_whole(dot(n, e->y), e->size, stride);
 
-        sample(e->image[0], place_of(dot(n, e->x[0]), e->size, texel), y, root[0]);
-        sample(e->image[1], place_of(dot(n, e->x[1]) + (depth > 0 ? depth : 0), e->size, texel), y, root[1]);
+        image_sample(e->image[0], image_whole(dot(n, e->x[0]), e->size, texel), y, root[0]);
+        image_sample(e->image[1], image_whole(dot(n, e->x[1]) + (depth > 0 ? depth : 0), e->size, texel), y, root[1]);
     }
     for (i = 0; i < 3; i++) {
-        const int32_t value = mix(root[0][i], root[1][i], e->weight);
+        const int32_t value = image_mix(root[0][i], root[1][i], e->weight);
 
         *out[i] += eval_square(eval_product(eval_mul_q15(eval_mul_q15(value, value), e->part[i]), cosine, e->shift));
     }

@@ -6,10 +6,10 @@
 #define ROOT_2_Q28 379625062 /* sqrt(2) */
 #define PLACES     3         /* log2(8 x + 1) = log2(x + 1/8) + 3 */
 
-/* sqrt(1 - l.h) at the polar angle of an image: l.h is its half's cosine, so that is sqrt(2) sin(polar / 4). */
-static int64_t step_of(const shade_spheres *spheres, int layer)
+/* l.h is the cosine of half the angle: sqrt(2) sin(polar / 4). */
+int32_t shade_quarter_step(const shade_spheres *spheres, int layer)
 {
-    return fx_shift((int64_t)ROOT_2_Q28 * fx_sin_q28((uint32_t)spheres->polar_bam[layer] << 14), 28);
+    return (int32_t)fx_shift((int64_t)ROOT_2_Q28 * fx_sin_q28((uint32_t)spheres->polar_bam[layer] << 14), 28);
 }
 
 void shade_quarter_light(shade_quarter_setup *out, const shade_incoming *in, const shade_spheres *spheres)
@@ -25,11 +25,17 @@ void shade_quarter_light(shade_quarter_setup *out, const shade_incoming *in, con
         out->to_light_q28[i] = in->to_light_q28[i];
         out->root4[i] = fx_real_make(0, 0);
     }
-    while (layer < spheres->layers - 2 && s >= step_of(spheres, layer + 1)) layer++;
-    low = step_of(spheres, layer);
-    high = step_of(spheres, layer + 1);
+    while (layer < spheres->layers - 2 && s >= shade_quarter_step(spheres, layer + 1)) layer++;
+    low = shade_quarter_step(spheres, layer);
+    high = shade_quarter_step(spheres, layer + 1);
     out->layer = (uint8_t)layer;
     out->weight_q28 = s <= low ? 0 : s >= high ? FX_Q28_ONE : (int32_t)fx_div((s - low) * FX_Q28_ONE, high - low);
+}
+
+int32_t shade_quarter_texels(unsigned size)
+{
+    /* 2^17 texels x 2^4 for log2(9), q12 */
+    return (int32_t)fx_div((int64_t)(size - 1) * ((int64_t)1 << 37), LOG2_9_Q28);
 }
 
 void shade_quarter_prepare(shade_quarter_draw *out, const shade_spheres *spheres)
@@ -49,8 +55,8 @@ void shade_quarter_prepare(shade_quarter_draw *out, const shade_spheres *spheres
 
         out->ramp[i][0] = out->ramp[i][1] = fx_real_make(0, 0);
         if (i + 1 >= layers) continue;
-        low = step_of(spheres, i);
-        range = step_of(spheres, i + 1) - low;
+        low = shade_quarter_step(spheres, i);
+        range = shade_quarter_step(spheres, i + 1) - low;
         out->ramp[i][0] = fx_real_make(fx_div((int64_t)1 << 60, range), -32);
         out->ramp[i][1] = fx_real_make(-fx_div(low << 24, range), -24);
     }

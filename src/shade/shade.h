@@ -277,6 +277,10 @@ int32_t shade_table_log2(const shade_table *table);
 void shade_spheres_light(shade_spheres_setup *out, const shade_incoming *in, const shade_spheres *spheres);
 void shade_spheres_prepare(shade_spheres_draw *out, const shade_spheres *spheres, int units);
 void shade_quarter_light(shade_quarter_setup *out, const shade_incoming *in, const shade_spheres *spheres);
+/* sqrt(1 - l.h) at the polar angle of an image, q28. */
+int32_t shade_quarter_step(const shade_spheres *spheres, int layer);
+/* Texels an octave of 8 |x| + 1, q9 from q12. */
+int32_t shade_quarter_texels(unsigned size);
 void shade_quarter_prepare(shade_quarter_draw *out, const shade_spheres *spheres);
 int32_t shade_spheres_log2(const shade_spheres *spheres, int channel);
 

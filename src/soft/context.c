@@ -41,8 +41,9 @@ size_t soft_light_bytes(const nacre_soft_desc *d)
 {
     const size_t table = sizeof(shade_table_eval) + 4 * SHADE_TABLE_WORDS(d->table_columns, d->fine);
     const size_t near = sizeof(shade_table_persp) + sizeof(shade_persp_light);
+    const size_t spheres = sizeof(shade_spheres_persp) + sizeof(shade_persp_light);
     const size_t sbrdf = sizeof(shade_sbrdf_eval) + sizeof(shade_sbrdf_eval_light);
-    size_t most = sizeof(shade_spheres_eval);
+    size_t most = spheres;
 
     if (table > most) most = table;
     if (near > most) most = near;

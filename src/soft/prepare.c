@@ -57,35 +57,60 @@ static nacre_result set_tables(const nacre_soft *soft, soft_item *item, uint32_t
     return NACRE_OK;
 }
 
-/* Directions per pixel. */
-static nacre_result set_near(preparing *p, soft_item *item, uint32_t index, const shade_material *material,
-                             const nacre_image *image)
+static void set_near_lights(const preparing *p, soft_item *item, void *room)
 {
-    const uint8_t *const texels[2] = {nacre_image_texels(image, 0, 0, 0, NULL),
-                                      nacre_image_texels(image, 0, material->fine, 0, NULL)};
     const shade_frame *const frame = p->soft->frame;
     int i;
 
-    item->near = light_memory(p->soft, index);
-    item->near_light = (shade_persp_light *)(void *)(item->near + 1);
-    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, material->early, texels))
-        return NACRE_ERR_UNSUPPORTED;
+    item->near_light = room;
     for (i = 0; i < frame->light_count; i++) {
         shade_persp_light_prepare(&item->near_light[item->lights], &p->view.lights[i], &frame->light[i],
                                   frame->position_shift);
         item->lights += !item->near_light[item->lights].dark;
     }
+}
+
+static nacre_result set_near_table(const preparing *p, soft_item *item, uint32_t index, const shade_material *material,
+                                   const nacre_image *image)
+{
+    const uint8_t *const texels[2] = {nacre_image_texels(image, 0, 0, 0, NULL),
+                                      nacre_image_texels(image, 0, material->fine, 0, NULL)};
+
+    item->near = light_memory(p->soft, index);
+    if (!shade_table_persp_prepare(item->near, &material->is.table, material->fine, material->early, texels))
+        return NACRE_ERR_UNSUPPORTED;
+    set_near_lights(p, item, item->near + 1);
+    return NACRE_OK;
+}
+
+/* 0: not to be drawn. */
+static unsigned sphere_texel_bytes(const nacre_image *image)
+{
+    if (image->width != image->height) return 0;
+    return image->format == NACRE_FORMAT_RGBA8 ? 4 : image->format == NACRE_FORMAT_RGB8 ? 3 : 0;
+}
+
+static nacre_result set_near_spheres(const preparing *p, soft_item *item, uint32_t index,
+                                     const shade_material *material, const nacre_image *image)
+{
+    const unsigned texel_bytes = sphere_texel_bytes(image);
+
+    if (!texel_bytes) return NACRE_ERR_UNSUPPORTED;
+    item->near_spheres = light_memory(p->soft, index);
+    shade_spheres_persp_prepare(item->near_spheres, &material->is.spheres, nacre_image_texels(image, 0, 0, 0, NULL),
+                                image->width, texel_bytes);
+    set_near_lights(p, item, item->near_spheres + 1);
     return NACRE_OK;
 }
 
 static nacre_result set_spheres(const nacre_soft *soft, soft_item *item, uint32_t index, const shade_material *material,
                                 const nacre_image *image)
 {
-    const unsigned texel_bytes = image->format == NACRE_FORMAT_RGBA8 ? 4 : image->format == NACRE_FORMAT_RGB8 ? 3 : 0;
+    const unsigned texel_bytes = sphere_texel_bytes(image);
     const uint8_t *layers[NACRE_MAX_LAYERS];
     unsigned i;
 
-    if (!texel_bytes || image->width != image->height) return NACRE_ERR_UNSUPPORTED;
+    if (!texel_bytes) return NACRE_ERR_UNSUPPORTED;
     item->spheres = light_memory(soft, index);
     for (i = 0; i < image->layers; i++) layers[i] = nacre_image_texels(image, 0, i, 0, NULL);
     for (i = 0; i < soft->frame->light_count; i++) {
@@ -115,29 +140,35 @@ static nacre_result set_sbrdf(const preparing *p, soft_item *item, uint32_t inde
     return NACRE_OK;
 }
 
+/* Images with the cosine in them are turned per pixel, whatever the camera is. */
+static int needs_persp(const nacre_view *view, const shade_material *material)
+{
+    return shade_needs_persp(view) ||
+           (view->light_count && material->model == NACRE_MODEL_SPHERES && material->is.spheres.cosine);
+}
+
 static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, const nacre_soft_item *from)
 {
     const nacre_soft *const soft = p->soft;
     const nacre_view *const view = &p->view;
+    const nacre_image *const *const image = from->material->image;
     shade_material material;
     nacre_result r = shade_material_read(&material, from->material);
 
     if (r) return r;
     if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
     if (material.model == NACRE_MODEL_PALETTE) return NACRE_ERR_UNSUPPORTED;
-    shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, shade_needs_persp(view), 2);
+    shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, needs_persp(view, &material), 2);
     memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
     item->output = view->output;
     item->persp = soft->frame->persp;
     if (item->persp && !soft_lens_set(&item->lens, soft, view, soft->frame)) return NACRE_ERR_UNSUPPORTED;
     if (material.model == NACRE_MODEL_SBRDF) return set_sbrdf(p, item, index, &material, from);
-    if (item->persp)
-        return material.model == NACRE_MODEL_TABLE
-                   ? set_near(p, item, index, &material, from->material->image[NACRE_ROLE_TABLE])
-                   : NACRE_ERR_UNSUPPORTED;
     if (material.model == NACRE_MODEL_TABLE)
-        return set_tables(soft, item, index, &material, from->material->image[NACRE_ROLE_TABLE]);
-    return set_spheres(soft, item, index, &material, from->material->image[NACRE_ROLE_SPHERES]);
+        return item->persp ? set_near_table(p, item, index, &material, image[NACRE_ROLE_TABLE])
+                           : set_tables(soft, item, index, &material, image[NACRE_ROLE_TABLE]);
+    return item->persp ? set_near_spheres(p, item, index, &material, image[NACRE_ROLE_SPHERES])
+                       : set_spheres(soft, item, index, &material, image[NACRE_ROLE_SPHERES]);
 }
 
 static nacre_result set_lit(preparing *p, const nacre_soft_item *from)

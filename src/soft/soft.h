@@ -14,6 +14,7 @@
 #include "eval.h"
 #include "eval_persp.h"
 #include "eval_sbrdf.h"
+#include "eval_spheres_persp.h"
 #include "nacre_soft.h"
 
 /* Depth of what nothing covers. Among blended pixels, which leave depth as it is: their normal; no other looks so. */
@@ -115,7 +116,8 @@ typedef struct soft_item {
     fx_real ambient[3];
     shade_table_eval *table; /* of every light; NULL */
     shade_spheres_eval *spheres;
-    shade_table_persp *near; /* directions per pixel: the table, and its lights */
+    shade_table_persp *near; /* directions per pixel: the table or the spheres, and their lights */
+    shade_spheres_persp *near_spheres;
     shade_persp_light *near_light;
     soft_lens lens;
     shade_sbrdf_eval *sbrdf; /* pixels are finished codes; and its lights */

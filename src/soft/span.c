@@ -59,7 +59,12 @@ static void shade_near(const soft_item *item, const uint32_t *xy, const int16_t 
         const shade_rgb part = {radiance.r + i, radiance.g + i, radiance.b + i};
 
         soft_lens_look(item, x + i, y, depth + i, now, position, eye_xy, eye_z);
-        for (k = 0; k < item->lights; k++) shade_table_persp_add(item->near, &item->near_light[k], &seen, part);
+        for (k = 0; k < item->lights; k++) {
+            if (item->near)
+                shade_table_persp_add(item->near, &item->near_light[k], &seen, part);
+            else
+                shade_spheres_persp_add(item->near_spheres, &item->near_light[k], &seen, part);
+        }
     }
 }
 
@@ -84,7 +89,7 @@ static void shade_batch(const nacre_soft *soft, const soft_item *item, const sof
     }
     k->normalise(xy, z, count);
     shade_rgb_fill(radiance, count, item->ambient);
-    if (item->near) {
+    if (item->near_light) {
         shade_near(item, xy, z, from->depth + at, x, y, count, radiance);
         k->encode(radiance, count, (nacre_output)item->output, rgba);
         return;

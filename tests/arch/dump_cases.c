@@ -93,7 +93,7 @@ static int put_case(const frame_case *c)
     mesh shape;
     int count;
 
-    if (c->model == CASE_PAPER || c->lit) return 0;
+    if (c->lit) return 0;
     if (mesh_open(&shape, c->mesh ? c->mesh : "sphere", &f)) exit(1);
     case_asset_open(&asset, c->model, c->brdf, c->normal_map, NULL);
     case_scene(&s, c, &shape, 96, 96);
