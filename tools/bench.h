@@ -9,8 +9,9 @@
 #include "json.h"
 #include "nacre.h"
 
-#define BENCH_MAX_ROUNDS 101
-#define BENCH_MAX_PARTS  16
+#define BENCH_MAX_ROUNDS  101
+#define BENCH_MAX_THREADS 64
+#define BENCH_MAX_PARTS   16
 
 typedef struct bench_settings { /* from the command line */
     const char *mesh;           /* NULL: not given */
@@ -20,6 +21,7 @@ typedef struct bench_settings { /* from the command line */
     int size;           /* pixels a side */
     int rounds, frames; /* 0: not given */
     int budget;         /* lights a frame of spread updates */
+    int threads;        /* of the CPU renderer */
 } bench_settings;
 
 /* A table: measure, print, and write the JSON. Returns an exit code (failure.h). */

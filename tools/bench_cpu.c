@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The CPU renderer beside Mesa's, on the same pictures: milliseconds of CPU a frame, one thread. */
+/* The CPU renderer beside Mesa's, on the same pictures: milliseconds of CPU a frame, one thread; and the CPU renderer by
+   more threads. */
 #include <math.h>
+#include <omp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,11 +15,12 @@
 #include "scene.h"
 #include "table_bake.h"
 
-#define PI        3.14159265358979323846
-#define BAND_ROWS 512
-#define LIT_SIZE  128
+#define PI            3.14159265358979323846
+#define BAND_ROWS     512
+#define LIT_SIZE      128
+#define THREADED_ROWS 32 /* of a band, with several threads */
 
-enum { MAX_ROWS = 64, MAX_PARTS = 8, MESHES = 2, MOST_LIGHTS = 64 };
+enum { MAX_ROWS = 80, MAX_PARTS = 8, MESHES = 2, MOST_LIGHTS = 64 };
 
 typedef enum renderer { SOFT_AVX2, SOFT_SSE41, SOFT_NEON, SOFT_SCALAR, LLVMPIPE, SOFTPIPE } renderer;
 static const char *const renderer_names[] = {"soft-avx2",   "soft-sse41", "soft-neon",
@@ -28,8 +31,9 @@ static const char *const mesh_names[MESHES] = {"teapot", "bunny"};
 typedef struct cpu_row {
     renderer by;
     int lit; /* path */
-    int mesh, lights;
+    int mesh, lights, threads;
     bench_time time;
+    double factor; /* several threads: times as fast as one, on the clock */
 } cpu_row;
 
 typedef struct cpu_mesh {
@@ -39,14 +43,14 @@ typedef struct cpu_mesh {
 } cpu_mesh;
 
 typedef struct cpu_bench {
-    int size;
+    int size, threads;
     bytes file;
     nacre_image image;
     nacre_material material;
     cpu_mesh mesh[MESHES];
     cpu_row row[MAX_ROWS];
     int row_count;
-    void *block, *scratch;
+    void *block, *scratch; /* scratch: of every thread */
     size_t block_size;
     uint32_t *pixels;
     uint32_t lit_texels[LIT_SIZE * LIT_SIZE];
@@ -151,12 +155,12 @@ static void make_view(nacre_view *view, nacre_light *light, int count)
 
 /* ---- the CPU renderer ------------------------------------------------------------------------------------------------- */
 
-static nacre_soft_desc soft_desc(const cpu_bench *b, renderer by)
+static nacre_soft_desc soft_desc(const cpu_bench *b, renderer by, int threads)
 {
     nacre_soft_desc desc = {.width = (uint16_t)b->size,
                             .height = (uint16_t)b->size,
                             .format = NACRE_SOFT_RGBA8,
-                            .band_rows = BAND_ROWS,
+                            .band_rows = threads > 1 ? THREADED_ROWS : BAND_ROWS,
                             .max_items = MAX_PARTS,
                             .max_lights = NACRE_MAX_LIGHTS};
     int i, k;
@@ -174,9 +178,30 @@ static nacre_soft_desc soft_desc(const cpu_bench *b, renderer by)
     return desc;
 }
 
+/* Bands by whoever is free. */
+static nacre_result draw_bands(const cpu_bench *b, const nacre_soft *soft, size_t scratch_size, int threads)
+{
+    const size_t stride = (size_t)b->size * 4;
+    nacre_result result = NACRE_OK;
+    int y;
+
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (y = 0; y < b->size; y += THREADED_ROWS) {
+        const int end = y + THREADED_ROWS < b->size ? y + THREADED_ROWS : b->size;
+        uint8_t *scratch = (uint8_t *)b->scratch + (size_t)omp_get_thread_num() * scratch_size;
+        const nacre_result r =
+            nacre_soft_band(soft, y, end, scratch, scratch_size, (uint8_t *)b->pixels + (size_t)y * stride, stride);
+        if (r) {
+#pragma omp critical
+            result = r;
+        }
+    }
+    return result;
+}
+
 static int draw_soft(cpu_bench *b, const cpu_row *row, failure *f)
 {
-    nacre_soft_desc desc = soft_desc(b, row->by);
+    nacre_soft_desc desc = soft_desc(b, row->by, row->threads);
     const nacre_soft_lit lit = {b->lit_texels, LIT_SIZE};
     const cpu_mesh *m = &b->mesh[row->mesh];
     nacre_soft_item items[MAX_PARTS];
@@ -184,9 +209,11 @@ static int draw_soft(cpu_bench *b, const cpu_row *row, failure *f)
     nacre_view view;
     nacre_soft *soft;
     nacre_result r;
+    size_t scratch_size;
     int i;
 
     desc.max_items = (uint16_t)m->part_count;
+    scratch_size = nacre_soft_scratch_size(&desc);
     make_view(&view, light, row->lights);
     for (i = 0; i < m->part_count; i++)
         items[i] = (nacre_soft_item){.mesh = &m->parts[i],
@@ -195,7 +222,10 @@ static int draw_soft(cpu_bench *b, const cpu_row *row, failure *f)
                                      .object_to_view = view.object_to_view};
     r = nacre_soft_init(&soft, b->block, b->block_size, &desc);
     if (!r) r = nacre_soft_prepare(soft, items, m->part_count, &view);
-    if (!r) r = nacre_soft_frame(soft, b->scratch, nacre_soft_scratch_size(&desc), b->pixels, (size_t)b->size * 4);
+    if (!r && row->threads > 1)
+        r = draw_bands(b, soft, scratch_size, row->threads);
+    else if (!r)
+        r = nacre_soft_frame(soft, b->scratch, scratch_size, b->pixels, (size_t)b->size * 4);
     return r ? fail(f, FAIL_INTERNAL, "soft: %s", nacre_result_text(r)) : FAIL_NONE;
 }
 
@@ -257,6 +287,35 @@ static int draw_row(void *user, int index, failure *f)
     return row->by == LLVMPIPE || row->by == SOFTPIPE ? draw_gl(b, row, f) : draw_soft(b, row, f);
 }
 
+/* The CPU renderer again by several threads, side by side with one: after the others, because threads that wait for the next
+   frame take CPU time. */
+static int measure_threads(cpu_bench *b, int rounds, int frames, failure *f)
+{
+    const int all = b->row_count;
+    cpu_bench *const pairs = need_memory(1, sizeof *pairs);
+    bench_time time[MAX_ROWS];
+    int i, code;
+
+    *pairs = *b;
+    pairs->row_count = 0;
+    for (i = 0; i < all; i++) {
+        cpu_row row = b->row[i];
+        if (row.by > SOFT_SCALAR) continue;
+        pairs->row[pairs->row_count++] = row;
+        row.threads = b->threads;
+        pairs->row[pairs->row_count++] = row;
+    }
+    code = bench_measure(pairs->row_count, rounds, frames, draw_row, pairs, time, f);
+    for (i = 0; i < pairs->row_count && !code; i += 2) {
+        cpu_row *const row = &b->row[b->row_count++];
+        *row = pairs->row[i + 1];
+        row->time = time[i + 1];
+        row->factor = time[i].wall_ms / time[i + 1].wall_ms;
+    }
+    free(pairs);
+    return code;
+}
+
 typedef struct softpipe_row {
     cpu_bench *b;
     int index;
@@ -272,7 +331,7 @@ static int draw_softpipe(void *user, int index, failure *f)
 
 static void add_row(cpu_bench *b, renderer by, int lit, int which, int lights)
 {
-    b->row[b->row_count++] = (cpu_row){.by = by, .lit = lit, .mesh = which, .lights = lights};
+    b->row[b->row_count++] = (cpu_row){.by = by, .lit = lit, .mesh = which, .lights = lights, .threads = 1};
 }
 
 static void add_rows(cpu_bench *b)
@@ -323,7 +382,8 @@ static int measure(cpu_bench *b, int rounds, int frames, failure *f)
     code = bench_measure(b->row_count, rounds, frames, draw_row, b, time, f);
     for (i = 0; i < b->row_count; i++) b->row[i].time = time[i];
     close_gl(b);
-    return code ? code : measure_softpipe(b, f);
+    if (!code) code = measure_softpipe(b, f);
+    return code || b->threads == 1 ? code : measure_threads(b, rounds, frames, f);
 }
 
 static void print_rows(const cpu_bench *b, int rounds)
@@ -331,13 +391,16 @@ static void print_rows(const cpu_bench *b, int rounds)
     int i;
 
     printf("%d x %d, table, sRGB, orthographic, back faces culled; teapot %d and bunny-like mesh %d triangles\n"
-           "ms of CPU a frame, medians of %d rounds\n%-12s %-7s %-7s %6s %9s\n",
-           b->size, b->size, b->mesh[0].triangles, b->mesh[1].triangles, rounds, "renderer", "path", "mesh", "lights",
-           "cpu ms");
+           "ms of CPU a frame, medians of %d rounds%s\n%-12s %-7s %-7s %6s %9s%s\n",
+           b->size, b->size, b->mesh[0].triangles, b->mesh[1].triangles, rounds,
+           b->threads > 1 ? "; with several threads of the clock, and times as fast as one" : "", "renderer", "path",
+           "mesh", "lights", "cpu ms", b->threads > 1 ? " threads  factor" : "");
     for (i = 0; i < b->row_count; i++) {
         const cpu_row *r = &b->row[i];
-        printf("%-12s %-7s %-7s %6d %9.3f\n", renderer_names[r->by], r->lit ? "lit" : "direct", mesh_names[r->mesh],
-               r->lights, r->time.cpu_ms);
+        printf("%-12s %-7s %-7s %6d %9.3f", renderer_names[r->by], r->lit ? "lit" : "direct", mesh_names[r->mesh],
+               r->lights, r->threads > 1 ? r->time.wall_ms : r->time.cpu_ms);
+        if (r->threads > 1) printf(" %7d %7.2f", r->threads, r->factor);
+        printf("\n");
     }
 }
 
@@ -357,7 +420,9 @@ static int write_json(const cpu_bench *b, const char *path, failure *f)
         json_text(&j, "model", "table");
         json_text(&j, "mesh", mesh_names[r->mesh]);
         json_int(&j, "lights", r->lights);
+        json_int(&j, "threads", r->threads);
         json_real(&j, "cpu_ms", r->time.cpu_ms);
+        json_real(&j, "wall_ms", r->time.wall_ms);
         json_end(&j, '}');
     }
     json_end(&j, ']');
@@ -365,23 +430,33 @@ static int write_json(const cpu_bench *b, const char *path, failure *f)
     return json_write(&j, path, f);
 }
 
+/* For one thread, or for all. */
+static void get_memory(cpu_bench *b)
+{
+    const nacre_soft_desc one = soft_desc(b, SOFT_SCALAR, 1), several = soft_desc(b, SOFT_SCALAR, b->threads);
+    const size_t size = nacre_soft_size(&several),
+                 scratch_size = nacre_soft_scratch_size(&several) * (size_t)b->threads;
+
+    b->block_size = nacre_soft_size(&one) > size ? nacre_soft_size(&one) : size;
+    b->block = need_memory(1, b->block_size);
+    b->scratch =
+        need_memory(1, nacre_soft_scratch_size(&one) > scratch_size ? nacre_soft_scratch_size(&one) : scratch_size);
+    b->pixels = need_memory((size_t)b->size * (size_t)b->size, 4);
+}
+
 int bench_cpu(const bench_settings *s, failure *f)
 {
     static cpu_bench b;
     const int rounds = s->rounds ? s->rounds : 7, frames = s->frames ? s->frames : 12;
-    nacre_soft_desc desc;
     int i, code;
 
     setenv("LP_NUM_THREADS", "0", 0);
     b.size = s->size;
+    b.threads = s->threads;
     if ((code = open_meshes(&b, f)) || (code = bake(&b, s->material ? s->material : "sgd:gold-metallic-paint", f)))
         return code;
     for (i = 0; i < LIT_SIZE * LIT_SIZE; i++) b.lit_texels[i] = (uint32_t)i * 0x010203u | 255u << 24;
-    desc = soft_desc(&b, SOFT_SCALAR);
-    b.block_size = nacre_soft_size(&desc);
-    b.block = need_memory(1, b.block_size);
-    b.scratch = need_memory(1, nacre_soft_scratch_size(&desc));
-    b.pixels = need_memory((size_t)b.size * (size_t)b.size, 4);
+    get_memory(&b);
     code = measure(&b, rounds, frames, f);
     if (!code && bench_prints(s)) print_rows(&b, rounds);
     if (!code && s->json_path) code = write_json(&b, s->json_path, f);

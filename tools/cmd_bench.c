@@ -53,7 +53,7 @@ int cmd_bench(int argc, char **argv, failure *f)
 {
     const char *table_name = "models", *backend_name = "egl2", *operand[1];
     const table_entry *chosen = NULL;
-    bench_settings s = {.size = 512, .budget = 8};
+    bench_settings s = {.size = 512, .budget = 8, .threads = 1};
     int operands;
     const option options[] = {
         {"--table", OPTION_TEXT, &table_name, 0, 0, "NAME", "which figures; list prints the names (models)"},
@@ -64,6 +64,7 @@ int cmd_bench(int argc, char **argv, failure *f)
         {"--rounds", OPTION_INT, &s.rounds, 1, BENCH_MAX_ROUNDS, "N", "medians of so many (by the table)"},
         {"--frames", OPTION_INT, &s.frames, 1, 1000, "N", "frames a round (by the table)"},
         {"--budget", OPTION_INT, &s.budget, 1, NACRE_MAX_LIT_LIGHTS, "N", "lights a frame of spread updates (8)"},
+        {"--threads", OPTION_INT, &s.threads, 1, BENCH_MAX_THREADS, "N", "cpu: also the CPU renderer by N threads (1)"},
         {"--json", OPTION_TEXT, &s.json_path, 0, 0, "FILE", "the figures as JSON (- for standard output)"},
     };
     int code = options_parse(argc, argv, "nacre bench [--table NAME] [options]", options,
