@@ -120,10 +120,12 @@ static void paint_field(const sbrdf_painter *t, sbrdf_field *out, progress *mete
     progress_end(meter);
 }
 
-int sbrdf_paint(sbrdf_field *out, const char *path, sbrdf_sources *sources, progress *meter, failure *f)
+int sbrdf_paint_lobes(sbrdf_field *out, const char *path, int lobes, sbrdf_sources *sources, progress *meter,
+                      failure *f)
 {
     sbrdf_painter *t = need_memory(1, sizeof *t);
     int code = painting_open(&t->p, path, sources, f);
+    if (lobes) t->p.lobes = lobes;
     if (!code && t->p.index.texel)
         code = fail(f, FAIL_UNSUPPORTED, "%s: index: found in a painting for Lafortune maps, expected fill and paint",
                     path);
@@ -132,4 +134,9 @@ int sbrdf_paint(sbrdf_field *out, const char *path, sbrdf_sources *sources, prog
     painting_close(&t->p);
     free(t);
     return code;
+}
+
+int sbrdf_paint(sbrdf_field *out, const char *path, sbrdf_sources *sources, progress *meter, failure *f)
+{
+    return sbrdf_paint_lobes(out, path, 0, sources, meter, f);
 }

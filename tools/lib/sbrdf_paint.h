@@ -7,6 +7,8 @@
 #include "sbrdf_field.h"
 
 /* FAIL_INVALID names the text's line. *sources receives the pictures (also when it fails; free it). */
+/* lobes: of every texel, 0: as the text says. */
+int sbrdf_paint_lobes(sbrdf_field *out, const char *path, int lobes, sbrdf_sources *sources, progress *p, failure *f);
 int sbrdf_paint(sbrdf_field *out, const char *path, sbrdf_sources *sources, progress *p, failure *f);
 
 #endif
