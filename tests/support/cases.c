@@ -8,6 +8,7 @@
 
 #include "ktx2_write.h"
 #include "nacre_asset.h"
+#include "palette_case.h"
 #include "sbrdf_map.h"
 #include "sphere_bake.h"
 #include "table_bake.h"
@@ -37,6 +38,8 @@ static const compare_bound lit_256 = {-4, 4, .002, 0}, half_lit = {-5, 5, .002, 
 /* The fine tier keeps peaks up to fourteen stops above white, narrower than the texels of a lit sphere. */
 static const compare_bound lit_fine = {-4, 4, .0025, 0};
 static const compare_bound lit_bump = {-7, 7, .015, 0};
+/* Made-up tables of a palette, half of them steeper than a measured one's: llvmpipe rounds filtered normals to 8 bits. */
+static const compare_bound bump_tile = {-7, 6, 0, 0};
 static const compare_bound mesh_toe = {-5, 4, .004, .003}, mesh_sum = {-4, 4, .02, .003};
 static const compare_bound half = {-7, 6, .001, 0}, half_rim = {-7, 6, .004, 0}, mesh_half = {-7, 6, .008, .003};
 
@@ -367,6 +370,75 @@ const frame_case frame_cases[] = {
      .normal_map = 1,
      .fp32 = &mesh_sum,
      .fp16 = &mesh_half},
+    {.name = "palette 1 light", .model = CASE_PALETTE, .lights = 1, .exposure = 1, .fp32 = &sum, .fp16 = &half},
+    {.name = "palette 3 lights sqrt",
+     .model = CASE_PALETTE,
+     .lights = 3,
+     .output = SQRT,
+     .exposure = .7,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "palette 1 light linear",
+     .model = CASE_PALETTE,
+     .lights = 1,
+     .output = LINEAR,
+     .exposure = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "palette ambient, tint, exposure",
+     .model = CASE_PALETTE,
+     .lights = 2,
+     .ambient = .5,
+     .tint = .8,
+     .exposure = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "palette ambient alone", .model = CASE_PALETTE, .ambient = 2, .fp32 = &sum, .fp16 = &half},
+    {.name = "palette blended ambient alone", .model = CASE_PALETTE_BLEND, .ambient = 2, .fp32 = &sum, .fp16 = &half},
+    {.name = "palette perspective 8 lights, ambient",
+     .model = CASE_PALETTE,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 8,
+     .ambient = .3,
+     .exposure = .4,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "palette distant viewer, normal map",
+     .model = CASE_PALETTE,
+     .camera = CASE_DISTANT,
+     .lights = 2,
+     .normal_map = 1,
+     .exposure = .7,
+     .fp32 = &bump_tile,
+     .fp16 = &half},
+    {.name = "palette blended 1 light",
+     .model = CASE_PALETTE_BLEND,
+     .lights = 1,
+     .exposure = 1,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "palette blended 8 lights",
+     .model = CASE_PALETTE_BLEND,
+     .lights = 8,
+     .exposure = .4,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "palette blended perspective 1 light, 2 points",
+     .model = CASE_PALETTE_BLEND,
+     .camera = CASE_PERSPECTIVE,
+     .lights = 1,
+     .points = 2,
+     .exposure = .5,
+     .fp32 = &sum,
+     .fp16 = &half},
+    {.name = "torus palette blended normal map",
+     .model = CASE_PALETTE_BLEND,
+     .mesh = "torus",
+     .lights = 2,
+     .normal_map = 1,
+     .exposure = .7,
+     .fp32 = &mesh_sum,
+     .fp16 = &mesh_half},
     {.name = "sbrdf 1 lobe 1 light", .model = CASE_SBRDF, .lights = 1, .exposure = 1, .fp32 = &sum, .fp16 = &half},
     {.name = "sbrdf 2 lobes 3 lights sqrt",
      .model = CASE_SBRDF2,
@@ -631,6 +703,26 @@ static void open_sbrdf(case_asset *a, case_model model)
     a->material.image[NACRE_ROLE_LOBES] = &a->lobes_image;
 }
 
+static int is_palette(case_model model)
+{
+    return model == CASE_PALETTE || model == CASE_PALETTE_BLEND;
+}
+
+static void open_palette(case_asset *a, case_model model)
+{
+    palette p;
+
+    palette_case_make(&p, model == CASE_PALETTE_BLEND);
+    palette_write(&p, &a->file, &a->lobes_file);
+    a->decoded = palette_brdf(&p);
+    memcpy(a->albedo, palette_case_albedo, sizeof a->albedo);
+    open_or_exit(&a->image, &a->file, "palette");
+    open_or_exit(&a->lobes_image, &a->lobes_file, "index");
+    a->material.model = NACRE_MODEL_PALETTE;
+    a->material.image[NACRE_ROLE_PALETTE] = &a->image;
+    a->material.image[NACRE_ROLE_INDEX] = &a->lobes_image;
+}
+
 static void bake(bytes *file, case_model model, const char *brdf_name)
 {
     const table_options table[CASE_MODEL_COUNT] = {
@@ -716,6 +808,10 @@ void case_asset_open(case_asset *out, case_model model, const char *brdf_name, i
     if (normal_map) make_normal_map(out);
     if (sbrdf_lobes(model)) {
         open_sbrdf(out, model);
+        return;
+    }
+    if (is_palette(model)) {
+        open_palette(out, model);
         return;
     }
     if (directory) snprintf(path, sizeof path, "%s/%d-%s", directory, model, brdf_name);

@@ -18,6 +18,8 @@ typedef enum case_model {
     CASE_SBRDF,  /* one lobe, turned; these three: 8 x 8 texels painted here, no BRDF */
     CASE_SBRDF2, /* the second anisotropic and turned */
     CASE_SBRDF3,
+    CASE_PALETTE, /* 256 tables made up; no BRDF */
+    CASE_PALETTE_BLEND,
     CASE_MODEL_COUNT
 } case_model;
 

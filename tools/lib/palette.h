@@ -47,7 +47,8 @@ brdf *palette_brdf(palette *p);
 
 /* Bytes of texels of both files. */
 size_t palette_texel_bytes(const palette *p);
-/* Columns of tiles for so many tables: fp16 knows more of a coordinate in a narrow image, and columns matter more. */
-int palette_columns(int count);
+/* Columns of tiles for so many tables of w x h: fp16 knows more of a coordinate in a narrow image, and columns matter more
+   than rows. 0: more than 2048 texels either way. */
+int palette_columns(int count, int w, int h);
 
 #endif

@@ -20,11 +20,13 @@ void palette_free(palette *p)
     *p = (palette){0};
 }
 
-int palette_columns(int count)
+int palette_columns(int count, int w, int h)
 {
+    enum { MOST_SIDE = 2048, MOST_COLUMNS = 16 }; /* what every ES 2.0 device of the baseline holds */
     int columns = 1;
     while (columns * columns * 4 < count) columns *= 2;
-    return columns;
+    while ((count + columns - 1) / columns * (h + 4) > MOST_SIDE && columns < MOST_COLUMNS) columns *= 2;
+    return (count + columns - 1) / columns * (h + 4) <= MOST_SIDE && columns * (w + 2) <= MOST_SIDE ? columns : 0;
 }
 
 static int level_side(int side, int level)
@@ -48,6 +50,12 @@ static tiling tiling_of(int count, int columns, int w, int h)
 {
     const int rows = (count + columns - 1) / columns;
     return (tiling){columns, rows, w, h, columns * (w + 2), rows * (h + 4)};
+}
+
+static tiling tiling_for(const palette *p)
+{
+    const int w = p->table[0].width, h = p->table[0].height;
+    return tiling_of(p->count, palette_columns(p->count, w, h), w, h);
 }
 
 /* Texel (x, y) of a table's tile. */
@@ -89,7 +97,7 @@ static void take_tile(const tiling *t, uint8_t *image, int index, table_asset *t
 
 size_t palette_texel_bytes(const palette *p)
 {
-    const tiling t = tiling_of(p->count, palette_columns(p->count), p->table[0].width, p->table[0].height);
+    const tiling t = tiling_for(p);
     size_t sum = 4 * (size_t)t.width * (size_t)t.height;
     for (int i = 0; i < p->levels; i++) sum += level_size(p, i);
     return sum;
@@ -98,7 +106,7 @@ size_t palette_texel_bytes(const palette *p)
 void palette_write(const palette *p, bytes *tables, bytes *index)
 {
     const table_asset *first = &p->table[0];
-    const tiling t = tiling_of(p->count, palette_columns(p->count), first->width, first->height);
+    const tiling t = tiling_for(p);
     const size_t size = 4 * (size_t)t.width * (size_t)t.height;
     const double key[10] = {first->e, first->ymax, first->w[0], first->w[1], first->w[2],
                             first->p, first->eps,  0,           0,           first->rows};

@@ -240,6 +240,10 @@ static int make(palette *out, const painting *text, const palette_options *o, fa
     int code = check_coats(text, f);
     if (code) return code;
     if (!p.count) return fail(f, FAIL_INVALID, "%s: found no material, expected 1..%d", text->path, NACRE_MAX_PALETTE);
+    const int w = o->width ? o->width : 24, h = o->height ? o->height : 21;
+    if (!palette_columns(p.count, w, h))
+        return fail(f, FAIL_USAGE, "--size %dx%d: %d such tables need more than the 2048 texels a side that GPUs hold",
+                    w, h, p.count);
     snprintf(p.name, sizeof p.name, "%s", text->path);
     p.levels = o->no_mips ? 1 : mip_count(p.width, p.height);
     p.code[0] = need_memory((size_t)p.width, (size_t)p.height);
