@@ -22,6 +22,13 @@ static inline int64_t fx_shift(int64_t x, int shift)
     return (x + ((int64_t)1 << (shift - 1))) >> shift;
 }
 
+/* A function that is not put into its caller, whose frame would have to hold both's variables. */
+#if defined(__GNUC__)
+#define FX_APART __attribute__((noinline))
+#else
+#define FX_APART
+#endif
+
 /* Zeros above the highest bit set, 0..31; x > 0. For per-pixel use. */
 static inline int fx_leading_zeros(uint32_t x)
 {

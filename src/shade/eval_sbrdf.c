@@ -110,7 +110,7 @@ static void set_tangent(const int32_t normal[3], const int32_t tangent[3], int32
 }
 
 /* Turn the first axis from the tangent to the texel's direction. */
-static void turn(int32_t axis[3][3], int32_t x, int32_t y)
+static void turn(surface *s, int32_t x, int32_t y)
 {
     const int32_t direction[3] = {x, y, 0};
     int32_t d[3];
@@ -118,8 +118,8 @@ static void turn(int32_t axis[3][3], int32_t x, int32_t y)
 
     if (!(x | y)) return;
     unit(direction, d);
-    for (i = 0; i < 3; i++) axis[0][i] = mul_q28(axis[0][i], d[0]) + mul_q28(axis[1][i], d[1]);
-    cross(axis[1], axis[2], axis[0]);
+    for (i = 0; i < 3; i++) s->axis[0][i] = mul_q28(s->axis[0][i], d[0]) + mul_q28(s->axis[1][i], d[1]);
+    cross(s->axis[1], s->axis[2], s->axis[0]);
 }
 
 static void set_surface(surface *out, const shade_sbrdf_eval *eval, shade_sbrdf_codes codes,
@@ -131,7 +131,7 @@ static void set_surface(surface *out, const shade_sbrdf_eval *eval, shade_sbrdf_
     unit(point->normal, out->axis[2]);
     set_tangent(out->axis[2], point->tangent, out->axis[0]);
     cross(out->axis[1], out->axis[2], out->axis[0]);
-    if (eval->direction) turn(out->axis, codes[1][3] - ZERO, point->mirrored ? ZERO - codes[3][3] : codes[3][3] - ZERO);
+    if (eval->direction) turn(out, codes[1][3] - ZERO, point->mirrored ? ZERO - codes[3][3] : codes[3][3] - ZERO);
     unit(point->to_eye, eye);
     for (i = 0; i < 3; i++) {
         const int32_t part = fx_dot_q28(out->axis[i], eye);
@@ -149,20 +149,19 @@ static void set_surface(surface *out, const shade_sbrdf_eval *eval, shade_sbrdf_
 /* Towards the light, q28. Returns log2 of the distance squared, q12; 0 for directional lights. */
 static int32_t arriving(const shade_sbrdf_eval_light *light, const shade_sbrdf_point *point, int32_t out[3])
 {
-    uint64_t all = 0;
-    int64_t way[3];
-    int32_t near[3];
+    uint32_t all = 0;
+    int32_t way[3]; /* q15 */
     int i, down;
 
     for (i = 0; i < 3; i++) {
         out[i] = light->place[i];
-        way[i] = (int64_t)light->place[i] - point->position_q16[i];
-        all |= (uint64_t)(way[i] < 0 ? -way[i] : way[i]);
+        way[i] = (light->place[i] >> 1) - (point->position_q16[i] >> 1);
+        all |= (uint32_t)(way[i] < 0 ? -way[i] : way[i]);
     }
     if (!light->point) return 0;
-    down = all >> 30 ? 3 : 0;
-    for (i = 0; i < 3; i++) near[i] = (int32_t)(way[i] >> down);
-    return unit(near, out) + (2 * down - 32) * 4096;
+    down = all >> 29 ? 3 : 0;
+    for (i = 0; i < 3; i++) way[i] >>= down;
+    return unit(way, out) + (2 * down - 30) * 4096;
 }
 
 /* n = 255 (code / 255)^2 */

@@ -37,6 +37,22 @@ void shade_spheres_persp_prepare(shade_spheres_persp *out, const shade_spheres *
 
 /* ---- images ----------------------------------------------------------------------------------------------------------- */
 
+/* Of one copy each: they are long, and needed here and there. */
+static eval_surface unit(int32_t x, int32_t y, int32_t z)
+{
+    return eval_unit(shade_pack_xy(x, y), z);
+}
+
+static int32_t log2_of(uint32_t x)
+{
+    return eval_log2(x);
+}
+
+FX_APART static void sample(const uint8_t *image, image_place x, image_place y, int32_t out[3])
+{
+    image_sample(image, x, y, out);
+}
+
 typedef struct pair {
     const uint8_t *image[2];
     int32_t at[2];
@@ -78,8 +94,7 @@ static eval_surface between(const eval_surface *l, const eval_surface *v, const 
     const int32_t x = l->x - v->x, y = l->y - v->y, z = l->z - v->z;
     const int shift = ((x < 0 ? -x : x) | (y < 0 ? -y : y) | (z < 0 ? -z : z)) >> 14 ? 1 : 0;
 
-    return x | y | z ? eval_unit(shade_pack_xy(x >> shift, y >> shift), z >> shift)
-                     : eval_unit(shade_pack_xy(h->z, 0), -h->x);
+    return x | y | z ? unit(x >> shift, y >> shift, z >> shift) : unit(h->z, 0, -h->x);
 }
 
 static eval_surface cross(const eval_surface *a, const eval_surface *b)
@@ -102,8 +117,8 @@ static void quarter_code(const shade_spheres_persp *s, const eval_surface *n, co
     const pair p = pair_of(s, m->s);
     int32_t code[2][3];
 
-    image_sample(p.image[0], x, y, code[0]);
-    image_sample(p.image[1], x, y, code[1]);
+    sample(p.image[0], x, y, code[0]);
+    sample(p.image[1], x, y, code[1]);
     blend(code, p.weight, out);
 }
 
@@ -128,20 +143,20 @@ static void turned_code(const shade_spheres_persp *s, const uint8_t *image, cons
     int32_t x = (n->x * cosine + n->z * sine) >> 14, y = n->y;
 
     if (n->z * cosine < n->x * sine) {
-        const eval_surface rim = eval_unit(shade_pack_xy(x, y), 0);
+        const eval_surface rim = unit(x, y, 0);
 
         x = rim.x;
         y = rim.y;
     }
-    image_sample(image, image_whole(x * s->half_disc_q15, s->size, s->texel_bytes),
-                 image_whole(-y * s->half_disc_q15, s->size, (uint32_t)s->texel_bytes * s->size), out);
+    sample(image, image_whole(x * s->half_disc_q15, s->size, s->texel_bytes),
+           image_whole(-y * s->half_disc_q15, s->size, (uint32_t)s->texel_bytes * s->size), out);
 }
 
 /* k of eq. 3, q15: (1 + sine of the angle between half vector and (nx, 0, nz)) / 2 */
 static int32_t rotation(const eval_surface *n, int32_t angle)
 {
     const int32_t c = fx_cos_q28((uint32_t)angle << 15) >> 14, s = fx_sin_q28((uint32_t)angle << 15) >> 14;
-    const eval_surface plane = eval_unit(shade_pack_xy(n->x, 0), n->z);
+    const eval_surface plane = unit(n->x, 0, n->z);
     const int32_t sine = (s * plane.z - c * plane.x) >> 14;
 
     return 16384 + eval_least(sine < 0 ? -sine : sine, 16384);
@@ -153,8 +168,7 @@ static void whole_code(const shade_spheres_persp *s, const eval_surface *n, cons
     const int32_t cosine = eval_dot_of(l, v) >> 14, angle = angle_between(l, v);
     const int32_t ax = l->x - (v->x * cosine >> 14), ay = l->y - (v->y * cosine >> 14),
                   az = l->z - (v->z * cosine >> 14);
-    const eval_surface x =
-        ax | ay | az ? eval_unit(shade_pack_xy(ax, ay), az) : eval_unit(shade_pack_xy(v->z, 0), -v->x);
+    const eval_surface x = ax | ay | az ? unit(ax, ay, az) : unit(v->z, 0, -v->x);
     const eval_surface y = cross(v, &x);
     const pair p = pair_of(s, angle);
     eval_surface turned;
@@ -174,9 +188,9 @@ static void whole_code(const shade_spheres_persp *s, const eval_surface *n, cons
 /* log2 of what a code stands for, q12: its fourth power; paper: the sRGB curve. */
 static int32_t log2_decoded(const shade_spheres_persp *s, int32_t code)
 {
-    if (!s->paper) return 4 * (eval_log2((uint32_t)code) - LOG2_CODE_Q12);
-    if (code <= 1320) return eval_log2((uint32_t)code) - LOG2_CODE_Q12 - 15120;      /* / 12.92 */
-    return ((eval_log2((uint32_t)code + 1795) - LOG2_CODE_Q12 - 316) * 9830) / 4096; /* ((y + .055) / 1.055)^2.4 */
+    if (!s->paper) return 4 * (log2_of((uint32_t)code) - LOG2_CODE_Q12);
+    if (code <= 1320) return log2_of((uint32_t)code) - LOG2_CODE_Q12 - 15120;      /* / 12.92 */
+    return ((log2_of((uint32_t)code + 1795) - LOG2_CODE_Q12 - 316) * 9830) / 4096; /* ((y + .055) / 1.055)^2.4 */
 }
 
 static void add_pixel(const shade_spheres_persp *s, const shade_persp_light *light, const shade_seen *seen, int i,
@@ -191,13 +205,13 @@ static void add_pixel(const shade_spheres_persp *s, const shade_persp_light *lig
 
     if (!s->paper) {
         if (nl <= 0) return;
-        shared += eval_log2((uint32_t)nl) - 28 * 4096;
+        shared += log2_of((uint32_t)nl) - 28 * 4096;
     }
     if (s->texels_per_log2) {
         const shade_halfway m = shade_halfway_of(&in.l, &v);
 
         quarter_code(s, &n, &in.l, &v, &m, code);
-        shared -= eval_log2((uint32_t)m.l_dot_h) - 13 * 4096; /* / (2 l.h) */
+        shared -= log2_of((uint32_t)m.l_dot_h) - 13 * 4096; /* / (2 l.h) */
     } else {
         whole_code(s, &n, &in.l, &v, code);
     }

@@ -34,8 +34,8 @@ static void draw_clipped(const drawing *d, const soft_item *item, unsigned item_
     }
 }
 
-static void draw_mapped(const drawing *d, const soft_item *item, unsigned item_index, const uint32_t index[3],
-                        const soft_vertex *const corner[3])
+FX_APART static void draw_mapped(const drawing *d, const soft_item *item, unsigned item_index, const uint32_t index[3],
+                                 const soft_vertex *const corner[3])
 {
     soft_detail details[3];
     const soft_detail *const detail[3] = {&details[0], &details[1], &details[2]};

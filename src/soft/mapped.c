@@ -13,7 +13,7 @@ typedef struct mapped {
     int handed;
 } mapped;
 
-static void set_details(mapped *m, const soft_vertex *const corner[3], const soft_detail *const detail[3])
+FX_APART static void set_details(mapped *m, const soft_vertex *const corner[3], const soft_detail *const detail[3])
 {
     const uint32_t most = (uint32_t)corner[0]->nearness | corner[1]->nearness | corner[2]->nearness;
     const int up = fx_leading_zeros(most) - 16;
@@ -89,7 +89,7 @@ static texture_place look_up_place(const mapped *m, int32_t x, int32_t y)
 }
 
 /* The texel's normal in the frame of tangent, bitangent and normal; by a lit sphere half of it and the eye. */
-static void bend(const mapped *m, int32_t x, int32_t y, const texture_place *place, uint32_t *xy, int16_t *z)
+FX_APART static void bend(const mapped *m, int32_t x, int32_t y, const texture_place *place, uint32_t *xy, int16_t *z)
 {
     int32_t code[1][4], part[3], n[3], sum[3];
     uint32_t tangent_xy =
@@ -132,30 +132,15 @@ static int32_t opacity(const mapped *m, const texture_place *place, shade_sbrdf_
     return alpha[0][mask->channels == 2 ? 1 : 3];
 }
 
-/* The pixel's finished code in place of its normal. */
-static void put_code(const mapped *m, int32_t x, int32_t y, int32_t alpha, shade_sbrdf_codes codes,
-                     const soft_pixels *to, uint32_t at)
-{
-    shade_sbrdf_point point;
-    uint32_t code;
-    int i;
-
-    point.normal[0] = (int16_t)(to->xy[at] & 65535u);
-    point.normal[1] = (int32_t)to->xy[at] >> 16;
-    point.normal[2] = to->z[at];
-    for (i = 0; i < 3; i++) point.tangent[i] = value_at(&m->detail[i], m->t, x, y) >> 16;
-    point.mirrored = m->handed < 0;
-    code = soft_sbrdf_shade(m->item, x, y, to->depth[at], codes, &point) | (uint32_t)((alpha + 32768) >> 16) << 24;
-    to->xy[at] = code == SOFT_EMPTY ? code + 1 : code;
-}
-
 static void put(const mapped *m, int32_t x, int32_t y, const soft_pixels *to, unsigned item)
 {
     const uint32_t at = (uint32_t)((y - to->row0) * to->stride + x);
     const uint32_t depth = (uint32_t)value_at(&m->t->plane[0], m->t, x, y) >> 15;
     shade_sbrdf_codes codes;
     texture_place place;
+    int16_t tangent[3];
     int32_t alpha;
+    int i;
 
     if (depth >= to->depth[at]) return;
     place = look_up_place(m, x, y);
@@ -166,7 +151,10 @@ static void put(const mapped *m, int32_t x, int32_t y, const soft_pixels *to, un
                  ((uint32_t)value_at(&m->t->plane[2], m->t, x, y) & 0xFFFF0000u);
     to->z[at] = (int16_t)(value_at(&m->t->plane[3], m->t, x, y) >> 16);
     if (m->item->normal_map.texels) bend(m, x, y, &place, &to->xy[at], &to->z[at]);
-    if (m->item->sbrdf) put_code(m, x, y, alpha, codes, to, at);
+    if (m->item->sbrdf) {
+        for (i = 0; i < 3; i++) tangent[i] = (int16_t)(value_at(&m->detail[i], m->t, x, y) >> 16);
+        soft_sbrdf_put(m->item, tangent, m->handed < 0, codes, alpha, to, x, y);
+    }
     if (to->item) to->item[at] = m->item->blend ? (uint8_t)((alpha + 32768) >> 16) : (uint8_t)item;
 }
 

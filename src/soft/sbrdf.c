@@ -46,19 +46,36 @@ void soft_sbrdf_sample(const soft_item *item, int32_t u_q27, int32_t v_q27, uint
         for (k = 0; k < 4; k++) out[i][k] += ((next[i][k] - out[i][k]) >> 8) * (part >> 4);
 }
 
-uint32_t soft_sbrdf_shade(const soft_item *item, int32_t x, int32_t y, uint16_t depth, shade_sbrdf_codes codes,
-                          shade_sbrdf_point *point)
+FX_APART static void set_point(shade_sbrdf_point *out, const soft_item *item, const soft_pixels *from, uint32_t at,
+                               int32_t x, int32_t y)
 {
-    int32_t *const position[3] = {&point->position_q16[0], &point->position_q16[1], &point->position_q16[2]};
-    uint32_t radiance[3], eye_xy = 0, rgba;
-    const shade_rgb sum = {&radiance[0], &radiance[1], &radiance[2]};
+    int32_t *const position[3] = {&out->position_q16[0], &out->position_q16[1], &out->position_q16[2]};
+    uint32_t eye_xy = 0;
     int16_t eye_z = 16384;
 
-    if (item->persp) soft_lens_look(item, x, y, &depth, 1, position, &eye_xy, &eye_z);
-    point->to_eye[0] = (int16_t)(eye_xy & 65535u);
-    point->to_eye[1] = (int32_t)eye_xy >> 16;
-    point->to_eye[2] = eye_z;
-    shade_sbrdf_shade(item->sbrdf, item->sbrdf_light, item->lights, codes, point, radiance);
-    shade_encode(sum, 1, (nacre_output)item->output, &rgba);
-    return rgba & 0xFFFFFFu;
+    if (item->persp) soft_lens_look(item, x, y, from->depth + at, 1, position, &eye_xy, &eye_z);
+    out->normal[0] = (int16_t)(from->xy[at] & 65535u);
+    out->normal[1] = (int32_t)from->xy[at] >> 16;
+    out->normal[2] = from->z[at];
+    out->to_eye[0] = (int16_t)(eye_xy & 65535u);
+    out->to_eye[1] = (int32_t)eye_xy >> 16;
+    out->to_eye[2] = eye_z;
+}
+
+void soft_sbrdf_put(const soft_item *item, const int16_t tangent[3], int mirrored, shade_sbrdf_codes codes,
+                    int32_t alpha, const soft_pixels *to, int32_t x, int32_t y)
+{
+    const uint32_t at = (uint32_t)((y - to->row0) * to->stride + x);
+    uint32_t radiance[3], code;
+    const shade_rgb sum = {&radiance[0], &radiance[1], &radiance[2]};
+    shade_sbrdf_point point;
+    int i;
+
+    set_point(&point, item, to, at, x, y);
+    for (i = 0; i < 3; i++) point.tangent[i] = tangent[i];
+    point.mirrored = mirrored;
+    shade_sbrdf_shade(item->sbrdf, item->sbrdf_light, item->lights, codes, &point, radiance);
+    shade_encode(sum, 1, (nacre_output)item->output, &code);
+    code = (code & 0xFFFFFFu) | (uint32_t)((alpha + 32768) >> 16) << 24;
+    to->xy[at] = code == SOFT_EMPTY ? code + 1 : code;
 }

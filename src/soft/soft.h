@@ -211,9 +211,10 @@ void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t 
 /* sbrdf.c */
 /* Texel of a material that varies. rate: the most that u or v changes a pixel. */
 void soft_sbrdf_sample(const soft_item *item, int32_t u_q27, int32_t v_q27, uint32_t rate_q27, shade_sbrdf_codes out);
-/* Code of a pixel at depth `depth`, without its alpha. */
-uint32_t soft_sbrdf_shade(const soft_item *item, int32_t x, int32_t y, uint16_t depth, shade_sbrdf_codes codes,
-                          shade_sbrdf_point *point);
+/* The code of a pixel whose depth and normal are there, in place of the normal; alpha (q16) above it. mirrored: the bitangent
+   is tangent x normal. */
+void soft_sbrdf_put(const soft_item *item, const int16_t tangent[3], int mirrored, shade_sbrdf_codes codes,
+                    int32_t alpha, const soft_pixels *to, int32_t x, int32_t y);
 
 /* lens.c */
 /* 0: a camera whose axes are skewed. */
