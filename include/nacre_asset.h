@@ -116,6 +116,9 @@
    before B was a number, have B = 0.3, and with two layers are the early ones. Ranges: -1 <= B <= 1, 0 <= D <= 6.5,
    |V| <= 64, 0 <= K4 <= 64. */
 #define NACRE_KEY_TABLE "nacre.table" /* 10 q16 (one layer), 17 (two), 9 (early) */
+/* Shaders that turn y^4.8 into sRGB at once leave the curve's linear toe out, which is at most 2.7 codes of 255 and, but for
+   dark materials, costs nothing. With this key they draw it. */
+#define NACRE_KEY_TOE "nacre.keeps_toe" /* u32: 1 = as above; 0 or no such key: without the toe */
 
 /* role "spheres" (SPHERES model). One layer per light polar angle; a unit sphere seen along -z from +z, the light at
    (sin polar, 0, cos polar); image row 0 is the top (+y). The disc of the sphere has radius disc/2 of the image's

@@ -97,17 +97,20 @@ vec3 table_root(float q, float slope, float row)
 #else
     vec4 t = texture2D(u_map[0], at);
 #endif
+#if PHID && !FINE
+    t -= vec4(0.0, 0.0, 0.0, 0.5);
+#endif
 #if FINE
     vec4 c = texture2D(u_map[1], at) - 0.5;
     float square = slope * slope;
     c.zw *= vec2(u_model[FIRST + 1].w, u_model[FIRST + 2].w * square);
-    return t.rgb + t.a * u_model[FIRST].rgb + square * (c.x * u_model[FIRST + 1].rgb + c.y * u_model[FIRST + 2].rgb + c.w) +
+    return u_model[FIRST].rgb * t.a + t.rgb + square * (u_model[FIRST + 1].rgb * c.x + (u_model[FIRST + 2].rgb * c.y + c.w)) +
            c.z * abs(slope);
 #elif EARLY
     vec3 curve = texture2D(u_map[1], at).rgb - 0.5;
-    return t.rgb + curve * (slope * slope * u_model[FIRST].x) + (t.a - 0.5) * abs(slope) * u_model[FIRST].y;
+    return t.rgb + curve * (slope * slope * u_model[FIRST].x) + t.a * abs(slope) * u_model[FIRST].y;
 #elif PHID
-    return t.rgb + (t.a - 0.5) * (slope * slope) * u_model[FIRST].rgb;
+    return u_model[FIRST].rgb * (slope * slope * t.a) + t.rgb;
 #else
     return t.rgb;
 #endif
@@ -117,7 +120,14 @@ vec3 table_root(float q, float slope, float row)
 vec3 table_light(vec3 y, float cosine, vec3 factor)
 {
 #if FORM == FORM_SRGB
-    return y * y * (exp2(log2(max(cosine, DARK)) * (1.0 / 2.4)) * factor) - 0.055;
+    vec3 color = y * y * (exp2(log2(max(cosine, DARK)) * (1.0 / 2.4)) * factor);
+#if TOE
+    // The toe as a parabola, 0.2 codes of 255 off at most: color - 0.055 + 5.75 min(color - 0.0985, 0)^2.
+    vec3 below = color - 0.0985;
+    return below * (min(below, 0.0) * 5.75 + 1.0) + 0.0435;
+#else
+    return color - 0.055;
+#endif
 #elif FORM == FORM_ROOT
     cosine = sqrt(max(cosine, 1.0e-7)); // as good as 0.0, and an instruction less on Adreno 220
 #if POWER48

@@ -277,8 +277,9 @@ static int report_table(report *r, const nacre_image *image, failure *f)
                                                           : "fine tier (two fetches per light)"
                        : t.w[0] || t.w[1] || t.w[2] ? "default tier (one fetch per light, with the phi_d term)"
                                                     : "RGB tier (one fetch per light, without the phi_d term)";
-    snprintf(sentence, sizeof sentence, "half-vector table of %s: %s, p = %.4g (for %s output)",
-             t.name[0] ? t.name : "an unnamed BRDF", tier, t.p, fabs(t.p - 4) < 0.01 ? "square-root" : "sRGB");
+    snprintf(sentence, sizeof sentence, "half-vector table of %s: %s, p = %.4g (for %s output%s)",
+             t.name[0] ? t.name : "an unnamed BRDF", tier, t.p, fabs(t.p - 4) < 0.01 ? "square-root" : "sRGB",
+             t.toe ? " with the curve's linear toe" : "");
     say(r, sentence);
     bytes_printf(&r->text, "  check: scales, powers and size are in range\n");
     table_free(&t);

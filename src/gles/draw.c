@@ -71,6 +71,7 @@ static void key_model(gles_key *key, const shade_material *material)
     key->model = material->early ? GLES_KEY_EARLY : material->fine ? GLES_KEY_FINE : GLES_KEY_TABLE;
     key->phid = (uint8_t)(material->fine || t->w[0] || t->w[1] || t->w[2]);
     key->power48 = t->p > 4 * NACRE_Q16_ONE + NACRE_Q16_ONE / 2; /* 4 or 4.8, see material.c */
+    key->toe = t->toe;
 }
 
 /* Lobes that a pass takes: with the textures of a sum there is room for two. */

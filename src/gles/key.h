@@ -39,6 +39,7 @@ typedef struct gles_key {
     uint8_t persp;      /* shade_needs_persp; 0 when lights is 0. */
     uint8_t output;     /* nacre_output; as the view says, also for SUM passes */
     uint8_t power48;    /* tables: 1: p = 4.8, 0: p = 4; others 0 */
+    uint8_t toe;        /* tables drawn in SHADE_SRGB: 1: with the curve's linear toe (of a sphere always); others 0 */
     uint8_t normal_map; /* 0, 1 */
     uint8_t es3;        /* 1: GLSL ES 3.00 */
     uint8_t ambient;    /* 1: the view's ambient is not 0 (in passes: LAST only) */

@@ -78,6 +78,7 @@ void gles_key_name(const gles_key *key, char *out)
     if (key->layers && key->layers != (key->model == GLES_KEY_QUARTER ? 2 : 4))
         out = put_digit(put(out, "_s"), key->layers);
     if (key->pass) out = put_digit(put(out, "_pass"), key->pass);
+    if (key->toe) out = put(out, "_toe");
     if (is_table(key) && !is_palette(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
         put(out, key->power48 ? "_p48" : "_p4");
 }
@@ -182,6 +183,12 @@ int gles_key_unit_sum(const gles_key *key)
     return key->pass ? (int)gles_key_units(key) - 2 : -1;
 }
 
+/* Elsewhere the curve is made otherwise. */
+static int may_have_toe(const gles_key *key)
+{
+    return is_table(key) && key->lights && gles_key_form(key) == SHADE_SRGB;
+}
+
 /* Passes hold 1, 2 or 4 lights, so that there are fewer texts; those of a sphere also 8. */
 static int fits_pass(const gles_key *key)
 {
@@ -214,6 +221,7 @@ void gles_key_canonical(gles_key *key)
     key->phid = (uint8_t)(light && is_table(key) && (key->phid || key->model != GLES_KEY_TABLE));
     key->power48 = (uint8_t)(light && is_table(key) && !palette && key->power48);
     if (is_table(key) || sbrdf || !key->persp) key->layers = 0;
+    key->toe = (uint8_t)(may_have_toe(key) && (key->toe || key->sphere));
     key->mask = 0;
 }
 
@@ -279,6 +287,7 @@ static char *write_defines(const gles_key *key, int fragment, char *out)
     out = define(out, "PAPER", key->model == GLES_KEY_PAPER);
     out = define(out, "QUARTER", key->model == GLES_KEY_QUARTER);
     out = define(out, "POWER48", key->power48);
+    out = define(out, "TOE", key->toe);
     out = define(out, "AMBIENT", key->ambient);
     out = define(out, "LAYERS", key->layers);
     out = define(out, "FORM", gles_key_form(key));
@@ -336,7 +345,12 @@ static void add(key_list *list, const gles_key *key)
 
 static void add_passes(key_list *list, gles_key key)
 {
-    for (key.ambient = 0; key.ambient < 2; key.ambient++) add(list, &key);
+    for (key.ambient = 0; key.ambient < 2; key.ambient++) {
+        const int toe = may_have_toe(&key);
+
+        for (key.toe = (uint8_t)(toe && key.sphere); key.toe <= toe; key.toe++) add(list, &key);
+        key.toe = 0;
+    }
     if (!fits_pass(&key)) return;
     key.ambient = 0;
     key.pass = GLES_PASS_SUM;

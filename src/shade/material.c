@@ -62,11 +62,15 @@ static nacre_result read_table(shade_material *out, const nacre_image *image)
 {
     shade_table *t = &out->is.table;
     int32_t v[17] = {0};
+    uint32_t toe;
     v[9] = 19661; /* 0.3 */
     if (image->format != NACRE_FORMAT_RGBA8 || image->layers > 2 || image->width < 2 || image->height < 2)
         return NACRE_ERR_ASSET;
     if (!says(image, NACRE_KEY_ROLE, "table") || !table_numbers(v, out, image) || !take_numbers(t, v))
         return NACRE_ERR_ASSET;
+    if (!asset_key_u32(image, NACRE_KEY_TOE, &toe, 1)) toe = 0;
+    if (toe > 1) return NACRE_ERR_ASSET;
+    t->toe = (uint8_t)toe;
     t->width = t->image_width = image->width;
     t->height = t->image_height = image->height;
     return is_near(t->p, 4 * NACRE_Q16_ONE) || is_near(t->p, 314573) ? NACRE_OK : NACRE_ERR_ASSET; /* 4 or 4.8 */

@@ -30,6 +30,7 @@ typedef struct shade_table {
     uint16_t width, height;
     uint16_t image_width, image_height; /* of a palette, texels: a table begins image_guard texels inside its tile */
     uint8_t image_guard;                /* plain tables: the same as width and height, and 0 */
+    uint8_t toe;                        /* 1: draw the linear toe of sRGB */
 } shade_table;
 
 /* Decoded keys of palette and index files, and constants of a draw. The tables' common numbers are a shade_table. */

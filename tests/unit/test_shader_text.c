@@ -62,6 +62,7 @@ static void names_follow_the_pattern(void **unused)
         const char *name;
     } cases[] = {
         {{.model = GLES_KEY_TABLE, .phid = 1, .lights = 1, .power48 = 1}, "table_phid_l1_dist_srgb"},
+        {{.model = GLES_KEY_TABLE, .phid = 1, .lights = 1, .power48 = 1, .toe = 1}, "table_phid_l1_dist_srgb_toe"},
         {{.model = GLES_KEY_TABLE, .lights = 1, .output = NACRE_OUTPUT_SQRT}, "table_l1_dist_sqrt"},
         {{.model = GLES_KEY_TABLE, .lights = 2, .output = NACRE_OUTPUT_SQRT, .power48 = 1}, "table_l2_dist_sqrt_p48"},
         {{.model = GLES_KEY_TABLE, .lights = 1, .output = NACRE_OUTPUT_LINEAR}, "table_l1_dist_lin_p4"},

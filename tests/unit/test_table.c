@@ -399,6 +399,29 @@ static void black_is_black(void **state)
     brdf_close(b);
 }
 
+/* Without its toe the sRGB curve ends at a radiance of .00083; of pi E f_r n.l under E = 8, an albedo of .001 has .008 at
+   most and is below that on much of the sphere, one of .5 hardly anywhere. Tables for square roots need no toe. */
+static void dark_tables_keep_the_toe(void **state)
+{
+    (void)state;
+    const table_options fine = {.tier = TABLE_FINE}, root = {.power = 4};
+    const struct {
+        const char *name;
+        const table_options *options;
+        int toe;
+    } cases[] = {{"lambert:albedo=.001", NULL, 1},  {"lambert:albedo=.001", &fine, 1},
+                 {"lambert:albedo=.001", &root, 0}, {"lambert:albedo=.5/.5/.001", NULL, 1},
+                 {"sgd:red-plastic", NULL, 0},      {"sgd:white-fabric2", NULL, 0},
+                 {"sgd:black-obsidian", NULL, 1}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        brdf *b = open_brdf(cases[i].name);
+        table_asset t = bake(b, cases[i].options);
+        if (t.toe != cases[i].toe) fail_msg("%s: toe %d", cases[i].name, t.toe);
+        table_free(&t);
+        brdf_close(b);
+    }
+}
+
 /* Beyond the last measured angle a table goes on smoothly instead of falling to black (an error of 150 codes and more).
    The root goes on in a straight line where Lambert's falls like l.h^(1/p): 26 codes measured five degrees further. */
 static void holes_are_continued(void **state)
@@ -491,7 +514,7 @@ static void expect_same_table(const table_asset *a, const table_asset *b)
 {
     assert_true(a->width == b->width && a->height == b->height && a->layers == b->layers);
     assert_true(a->e == b->e && a->ymax == b->ymax && a->p == b->p && a->eps == b->eps);
-    assert_true(a->layout == b->layout && a->rows == b->rows);
+    assert_true(a->layout == b->layout && a->rows == b->rows && a->toe == b->toe);
     assert_true(a->k1 == b->k1 && a->k2 == b->k2 && a->k4 == b->k4);
     for (int k = 0; k < 3; k++) assert_true(a->w[k] == b->w[k] && a->albedo[k] == b->albedo[k]);
     for (int k = 0; k < 3; k++) assert_true(a->d[k] == b->d[k] && a->v[k] == b->v[k]);
@@ -531,6 +554,7 @@ static void files_there_and_back(void **state)
     expect_round_trip("ggx:rough=.3,f0=.9/.6/.3,albedo=0", NULL);
     expect_round_trip("sgd:brass", &fine);
     expect_round_trip("lambert:albedo=.5", &rgb);
+    expect_round_trip("lambert:albedo=.001", NULL); /* with the key of the toe */
 }
 
 typedef struct bad_file {
@@ -540,7 +564,8 @@ typedef struct bad_file {
     double number[17];
 } bad_file;
 
-static void expect_unreadable(const bad_file *c)
+/* toe: of its key; 0: no such key */
+static void expect_unreadable(const bad_file *c, uint32_t toe)
 {
     ktx2_image k = {
         .format = c->format, .width = c->width, .height = c->height, .layers = c->layers, .faces = 1, .levels = 1};
@@ -550,6 +575,7 @@ static void expect_unreadable(const bad_file *c)
     ktx2_key_text(&k, NACRE_KEY_ROLE, c->role);
     ktx2_key_text(&k, NACRE_KEY_TRANSFER, c->transfer);
     if (c->numbers) ktx2_key_q16(&k, NACRE_KEY_TABLE, c->number, c->numbers);
+    if (toe) ktx2_key_u32(&k, NACRE_KEY_TOE, &toe, 1);
     bytes file = {0};
     ktx2_write(&k, &file);
     nacre_image image;
@@ -606,8 +632,12 @@ static void unreadable_files(void **state)
          17,
          {1, 1, 0, 0, 0, 4.8, 1 / 256.0, 0, 0, 0, 1, 1, 1, 0, 0, 0, -1}},
     };
+    static const bad_file toe = {
+        "nacre.keeps_toe: expected 0 or 1", "table", "root", NACRE_FORMAT_RGBA8, 8, 8, 0, 9, GOOD};
 #undef GOOD
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) expect_unreadable(&cases[i]);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) expect_unreadable(&cases[i], 0);
+    expect_unreadable(&toe, 2);
+    expect_unreadable(&toe, 256);
 }
 
 int main(void)
@@ -623,6 +653,7 @@ int main(void)
         cmocka_unit_test(values_never_negative),
         cmocka_unit_test(numbers_are_as_stored),
         cmocka_unit_test(black_is_black),
+        cmocka_unit_test(dark_tables_keep_the_toe),
         cmocka_unit_test(holes_are_continued),
         cmocka_unit_test(extremes_stay_in_range),
         cmocka_unit_test(same_bytes_every_time),

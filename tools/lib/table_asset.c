@@ -67,6 +67,7 @@ void table_write(const table_asset *t, bytes *out)
     ktx2_key_text(&k, NACRE_KEY_NAME, t->name);
     ktx2_key_q16(&k, NACRE_KEY_TABLE, key, count_numbers(t->layout));
     ktx2_key_q16(&k, NACRE_KEY_ALBEDO, t->albedo, 3);
+    if (t->toe) ktx2_key_u32(&k, NACRE_KEY_TOE, &(uint32_t){1}, 1);
     ktx2_write(&k, out);
     ktx2_free(&k);
 }
@@ -142,12 +143,22 @@ static int read_numbers(table_asset *t, const nacre_image *image, const char *pa
     return FAIL_NONE;
 }
 
+static int read_toe(table_asset *t, const nacre_image *image)
+{
+    uint32_t size;
+    const uint8_t *at = nacre_image_key(image, NACRE_KEY_TOE, &size);
+    if (!at) return 1;
+    t->toe = at[0];
+    return size == 4 && at[0] < 2 && !at[1] && !at[2] && !at[3];
+}
+
 int table_read(table_asset *out, const nacre_image *image, const char *path, failure *f)
 {
     table_asset t = {.width = image->width, .height = image->height, .layers = image->layers};
     int result = check_shape(image, path, f);
     if (result || (result = read_numbers(&t, image, path, f))) return result;
     read_q16(image, NACRE_KEY_ALBEDO, t.albedo, 3);
+    if (!read_toe(&t, image)) return fail(f, FAIL_INVALID, "%s: key %s: expected 0 or 1", path, NACRE_KEY_TOE);
     read_name(image, t.name, sizeof t.name);
     size_t layer = (size_t)(t.width * t.height) * 4;
     t.rgba = need_memory(layer, (size_t)t.layers);

@@ -237,6 +237,7 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
     clamp_roots(&model, &samples, x);
     progress_add(o.progress, DISPLAY_STEPS);
     encode(&t, &model, &samples, &o, x);
+    t.toe = o.power == 4.8 && table_wants_toe(&t, &samples);
     progress_end(o.progress);
     free(x);
     table_samples_free(&samples);

@@ -47,6 +47,7 @@ typedef struct table_asset {
     /* as stored, multiples of 2^-16; 0 where the layout has no such number */
     double e, ymax, w[3], p, eps, k1, k2, rows, d[3], v[3], k4;
     double albedo[3];
+    int toe; /* 1: shaders that output sRGB draw the curve's linear toe */
     char name[256];
 } table_asset;
 

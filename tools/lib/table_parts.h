@@ -7,6 +7,9 @@
 
 #include "table_bake.h"
 
+/* 0.0031308^(1/2.4): where the sRGB curve's linear toe ends. */
+#define TABLE_TOE_END 0.09045
+
 /* Where a pair of directions falls in a table, and the terms of its equations. */
 typedef struct table_point {
     double t, s; /* 1 - n.h, sqrt(1 - l.h) */
@@ -71,6 +74,9 @@ void table_samples_place(table_samples *s, const table_asset *t);
 void table_samples_free(table_samples *s);
 /* Every step-th sample. */
 table_samples table_samples_thin(const table_samples *s, int step);
+
+/* 1 if t, drawn without the linear toe of the sRGB curve, would be visibly further from the samples than with it. */
+int table_wants_toe(const table_asset *t, const table_samples *s);
 
 /* Set t's row curve, and eps if asked to, to what suits the samples. */
 void table_choose_place(table_asset *t, const table_samples *s, int choose_eps);

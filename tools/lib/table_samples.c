@@ -19,8 +19,6 @@
 /* A light at the eye uses the first row alone, which no other frame does: half a frame of its own. */
 #define EYE_WEIGHT 0.5
 
-/* 0.0031308^(1/2.4): where the sRGB curve's linear toe ends. */
-#define TOE_END 0.09045
 
 /* A sparse grid over the table, so that texels no frame reaches follow the material where it has values. */
 #define GRID_U      48
@@ -111,7 +109,7 @@ double table_show(const table_sample *s, double power, double root, double *slop
         *slope = 0.06 * power / root;
         return 1 + 0.06 * 2.4 * log(radiance24);
     }
-    if (radiance24 <= TOE_END) {
+    if (radiance24 <= TABLE_TOE_END) {
         double radiance = pow(radiance24, 2.4);
         *slope = 12.92 * radiance * power / root;
         return 12.92 * radiance;
