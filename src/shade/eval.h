@@ -12,7 +12,7 @@
  *   shade_encode(radiance, count, NACRE_OUTPUT_SRGB, rgba);       codes of the sum
  *
  * or, for the only light of a table with p = 4.8 and sRGB codes, shade_table_code at once: TABLE's display form, without
- * the curve's linear toe (at most 2.7 codes too dark near black), as in shaders_gles/table.glsl.
+ * the curve's linear toe (at most 2.7 codes too dark near black), as shaders do that a file does not ask for it.
  *
  * Normals are in the turned frame of shade_setup (the eye is along +z; orthographic views: view space), q14, at most 1.39
  * long. x and y share a word: x in its lower half (shade_pack_xy); z stands apart. shade_normalise makes unit normals.
