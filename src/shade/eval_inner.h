@@ -10,10 +10,19 @@
 
 #include "eval.h"
 
-#if defined(__GNUC__)
+#if defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
 #define EVAL_INLINE static inline __attribute__((always_inline))
 #else
 #define EVAL_INLINE static inline
+#endif
+
+/* for each channel k; three times the text where speed is asked for */
+#if defined(__clang__) && !defined(__OPTIMIZE_SIZE__)
+#define EVAL_CHANNELS(k) _Pragma("clang loop unroll(full)") for (k = 0; k < 3; k++)
+#elif defined(__GNUC__) && !defined(__OPTIMIZE_SIZE__)
+#define EVAL_CHANNELS(k) _Pragma("GCC unroll 3") for (k = 0; k < 3; k++)
+#else
+#define EVAL_CHANNELS(k) for (k = 0; k < 3; k++)
 #endif
 
 extern const uint32_t shade_lut_log2[16];

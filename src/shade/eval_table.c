@@ -113,7 +113,7 @@ static void set_columns_fine(shade_table_eval *out, uint32_t *columns, int32_t r
 static void set_columns(shade_table_eval *out, uint32_t *columns, int32_t row_q28, const shade_table *table,
                         const int64_t part_q30[3], const uint8_t *const texels[2])
 {
-    const unsigned stride = out->fine ? 8 : 4, width = table->width;
+    const unsigned stride = SHADE_HAS_FINE && out->fine ? 8 : 4, width = table->width;
     int64_t bend_q30[3];
     channel of;
     unsigned i;
@@ -121,11 +121,11 @@ static void set_columns(shade_table_eval *out, uint32_t *columns, int32_t row_q2
     for (i = 0; i < 3; i++) {
         of = channel_of(table, row_q28, texels[0], i, 0, part_q30[i]);
         set_column(columns + i, stride, width, &of, 1);
-        bend_q30[i] = times_q16(part_q30[i], out->fine ? table->k2 : table->w[i]);
+        bend_q30[i] = times_q16(part_q30[i], SHADE_HAS_FINE && out->fine ? table->k2 : table->w[i]);
     }
     of = channel_of(table, row_q28, texels[0], 3, HALF_CODE_Q15, spread(out, bend_q30));
     set_column(columns + 3, stride, width, &of, 1);
-    for (i = 0; i < 4 && out->fine; i++) {
+    for (i = 0; i < 4 && SHADE_HAS_FINE && out->fine; i++) {
         of = channel_of(table, row_q28, texels[1], i, HALF_CODE_Q15, i < 3 ? times_q16(part_q30[i], table->k1) : 0);
         set_column(columns + 4 + i, stride, width, &of, 1);
     }
@@ -137,7 +137,7 @@ int64_t shade_table_most_root(const shade_material *material)
     int64_t most = 65536;
     int i;
 
-    if (!material->fine || material->early) return most;
+    if (!shade_is_fine(material) || material->early) return most;
     if (table->k4 / 2 > most) most = table->k4 / 2;
     if (table->k2 / 2 > most) most = table->k2 / 2;
     for (i = 0; i < 3; i++) {
@@ -203,7 +203,7 @@ int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const sha
 
     if (!shade_eval_coordinate(&eval, table)) return 0;
     eval.columns = columns;
-    eval.fine = material->fine;
+    eval.fine = (uint8_t)shade_is_fine(material);
     eval.power4 = table->p == 4 * 65536;
     for (i = 0; i < 3; i++) {
         log2_of[i] = fx_real_log2_q16(light->linear[i]);
@@ -216,7 +216,7 @@ int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const sha
         part_q30[i] = (2 * (int64_t)fx_real_fixed(fx_real_exp2(fx_div(below, table->p)), 29)) >> down;
     }
     set_directions(&eval, &light->is.table, table);
-    if (material->fine && !material->early)
+    if (shade_is_fine(material) && !material->early)
         set_columns_fine(&eval, columns, light->is.table.row_q28, table, part_q30, texels);
     else
         set_columns(&eval, columns, light->is.table.row_q28, table, part_q30, texels);
@@ -247,7 +247,8 @@ EVAL_INLINE int32_t half_root(const shade_table_eval *e, int32_t y, int32_t cosi
 EVAL_INLINE void add(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, shade_rgb radiance,
                      int fine)
 {
-    int i;
+    uint32_t *const to[3] = {radiance.r, radiance.g, radiance.b};
+    int i, k;
 
     for (i = 0; i < count; i++) {
         const eval_surface n = eval_surface_of(xy[i], z[i]);
@@ -260,16 +261,14 @@ EVAL_INLINE void add(const shade_table_eval *e, const uint32_t *xy, const int16_
         if (e->power4) cosine = eval_pow24(cosine);
         cosine = eval_mul_q15(cosine, e->gain);
         at = eval_place_of(e, &n, nl, fine);
-        radiance.r[i] += eval_square(half_root(e, eval_root(e, &at, 0, fine), cosine));
-        radiance.g[i] += eval_square(half_root(e, eval_root(e, &at, 1, fine), cosine));
-        radiance.b[i] += eval_square(half_root(e, eval_root(e, &at, 2, fine), cosine));
+        EVAL_CHANNELS(k) to[k][i] += eval_square(half_root(e, eval_root(e, &at, k, fine), cosine));
     }
 }
 
 void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int16_t *z, int count, shade_rgb radiance)
 {
     if (eval->dark) return;
-    if (eval->fine)
+    if (SHADE_HAS_FINE && eval->fine)
         add(eval, xy, z, count, radiance, 1);
     else
         add(eval, xy, z, count, radiance, 0);
@@ -287,7 +286,7 @@ EVAL_INLINE uint32_t code_of(int32_t root, int32_t cosine, int shift)
 EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,
                       int fine)
 {
-    int i;
+    int i, k;
 
     for (i = 0; i < count; i++) {
         const eval_surface n = eval_unit(xy[i], z[i]);
@@ -297,11 +296,8 @@ EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16
         if (nl > 0) {
             const int32_t cosine = eval_mul_q15(eval_root48(nl >> 5), e->gain_code);
             const eval_place at = eval_place_of(e, &n, nl, fine);
-            const int shift = e->shift_code;
 
-            out |= code_of(eval_root(e, &at, 0, fine), cosine, shift) |
-                   code_of(eval_root(e, &at, 1, fine), cosine, shift) << 8 |
-                   code_of(eval_root(e, &at, 2, fine), cosine, shift) << 16;
+            EVAL_CHANNELS(k) out |= code_of(eval_root(e, &at, k, fine), cosine, e->shift_code) << 8 * k;
         }
         rgba[i] = out;
     }
@@ -313,7 +309,7 @@ void shade_table_code(const shade_table_eval *eval, const uint32_t *xy, const in
 
     if (eval->dark)
         for (i = 0; i < count; i++) rgba[i] = 255u << 24;
-    else if (eval->fine)
+    else if (SHADE_HAS_FINE && eval->fine)
         code(eval, xy, z, count, rgba, 1);
     else
         code(eval, xy, z, count, rgba, 0);

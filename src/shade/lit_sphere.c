@@ -56,7 +56,7 @@ typedef struct parts { /* of the scratch */
 
 static uint32_t column_words(const shade_material *m)
 {
-    return m->model == NACRE_MODEL_TABLE ? SHADE_TABLE_WORDS(m->is.table.width, m->fine) : 0;
+    return shade_is_table(m) ? SHADE_TABLE_WORDS(m->is.table.width, shade_is_fine(m)) : 0;
 }
 
 uint32_t shade_lit_scratch(const shade_lit *lit, unsigned rows)
@@ -92,7 +92,7 @@ static int make_fine(shade_light *light, const shade_material *material)
     int64_t most_log2 = FINE_MOST_LOG2;
     int i;
 
-    if (material->model == NACRE_MODEL_TABLE) {
+    if (shade_is_table(material)) {
         const int64_t root_log2 = fx_log2_u64((uint64_t)shade_table_most_root(material)) - 16 * 65536;
 
         most_log2 -= fx_shift(material->is.table.p * root_log2, 16);
@@ -108,12 +108,12 @@ static int add_light(const shade_lit *lit, const parts *p, shade_light *light, i
 {
     const shade_rgb *const to = make_fine(light, lit->material) ? &p->fine : &p->sum;
 
-    if (lit->material->model == NACRE_MODEL_TABLE) {
+    if (shade_is_table(lit->material)) {
         shade_table_eval eval;
 
         if (!shade_table_eval_prepare(&eval, p->columns, light, lit->material, lit->layers)) return 0;
         lit->kernels->table_add(&eval, p->xy, p->z, count, *to);
-    } else {
+    } else if (SHADE_HAS_SPHERES) {
         shade_spheres_eval eval;
 
         if (!shade_spheres_eval_prepare(&eval, light, lit->material, lit->layers, lit->sphere_size,

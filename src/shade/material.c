@@ -20,7 +20,7 @@ static int is_near(int32_t q16, int32_t wanted_q16)
 /* The numbers of NACRE_KEY_TABLE; those a layout does not have stay as they are. 0: none of its counts. */
 static int table_numbers(int32_t v[17], shade_material *out, const nacre_image *image)
 {
-    out->fine = image->layers == 2;
+    out->fine = SHADE_HAS_FINE && image->layers == 2;
     if (asset_key_q16(image, NACRE_KEY_TABLE, v, out->fine ? 17 : 10)) return 1;
     out->early = out->fine;
     return asset_key_q16(image, NACRE_KEY_TABLE, v, 9);
@@ -66,6 +66,7 @@ static nacre_result read_table(shade_material *out, const nacre_image *image)
     v[9] = 19661; /* 0.3 */
     if (image->format != NACRE_FORMAT_RGBA8 || image->layers > 2 || image->width < 2 || image->height < 2)
         return NACRE_ERR_ASSET;
+    if (!SHADE_HAS_FINE && image->layers > 1) return NACRE_ERR_UNSUPPORTED;
     if (!says(image, NACRE_KEY_ROLE, "table") || !table_numbers(v, out, image) || !take_numbers(t, v))
         return NACRE_ERR_ASSET;
     if (!asset_key_u32(image, NACRE_KEY_TOE, &toe, 1)) toe = 0;
@@ -287,6 +288,22 @@ int shade_model_takes(nacre_model model, int role)
     return model == NACRE_MODEL_SBRDF && (role == NACRE_ROLE_ALBEDO || role == NACRE_ROLE_POWER);
 }
 
+/* 0: left out of this build. */
+static int has_model(const nacre_material *material)
+{
+    if (!SHADE_HAS_MAPS && (material->image[NACRE_ROLE_NORMAL] || material->image[NACRE_ROLE_MASK])) return 0;
+    switch (material->model) {
+    case NACRE_MODEL_TABLE:
+        return SHADE_HAS_TABLES;
+    case NACRE_MODEL_SPHERES:
+        return SHADE_HAS_SPHERES;
+    case NACRE_MODEL_SBRDF:
+        return SHADE_HAS_SBRDF;
+    default:
+        return SHADE_HAS_GLES;
+    }
+}
+
 nacre_result shade_material_read(shade_material *out, const nacre_material *material)
 {
     const int role = material ? shade_model_role(material->model) : -1;
@@ -295,13 +312,19 @@ nacre_result shade_material_read(shade_material *out, const nacre_material *mate
     if (!image) return NACRE_ERR_ARGUMENT;
     memset(out, 0, sizeof *out);
     out->model = material->model;
-    if (role == NACRE_ROLE_LOBES) image = material->image[NACRE_ROLE_ALBEDO]; /* has the key */
+    if (!has_model(material)) return NACRE_ERR_UNSUPPORTED;
+    if (SHADE_HAS_SBRDF && role == NACRE_ROLE_LOBES) image = material->image[NACRE_ROLE_ALBEDO]; /* has the key */
     if (!image || (role == NACRE_ROLE_PALETTE && !material->image[NACRE_ROLE_INDEX])) return NACRE_ERR_ARGUMENT;
     if (image->faces != 1 || !asset_key_q16(image, NACRE_KEY_ALBEDO, out->albedo, 3)) return NACRE_ERR_ASSET;
-    result = role == NACRE_ROLE_TABLE     ? read_table(out, image)
-             : role == NACRE_ROLE_PALETTE ? read_palette(out, material)
-             : role == NACRE_ROLE_LOBES   ? read_sbrdf(out, material)
-                                          : read_spheres(out, image);
+    if (SHADE_HAS_GLES && role == NACRE_ROLE_PALETTE)
+        result = read_palette(out, material);
+    else if (shade_is_table(out))
+        result = read_table(out, image);
+    else if (shade_is_sbrdf(out))
+        result = read_sbrdf(out, material);
+    else
+        result = SHADE_HAS_SPHERES ? read_spheres(out, image) : NACRE_ERR_UNSUPPORTED;
+    if (!SHADE_HAS_MAPS) return result;
     if (!result && material->image[NACRE_ROLE_NORMAL]) result = check_normal_map(material->image[NACRE_ROLE_NORMAL]);
     if (!result && material->image[NACRE_ROLE_MASK]) result = check_mask(material->image[NACRE_ROLE_MASK]);
     return result;

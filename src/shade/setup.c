@@ -102,7 +102,7 @@ static int light_log2(const nacre_light *light, int channel, int64_t *out)
 /* 2^log2 as the program wants it, kept inside what fp16 can multiply with. */
 static fx_real shaped(int64_t log2_q16, shade_form form, const shade_material *material)
 {
-    if (form == SHADE_LINEAR) return fx_real_exp2(log2_q16 < LIMIT_LINEAR ? log2_q16 : LIMIT_LINEAR);
+    if (!SHADE_HAS_GLES || form == SHADE_LINEAR) return fx_real_exp2(log2_q16 < LIMIT_LINEAR ? log2_q16 : LIMIT_LINEAR);
     if (form == SHADE_ROOT) {
         log2_q16 = fx_shift(log2_q16, 1);
     } else {
@@ -115,11 +115,22 @@ static fx_real shaped(int64_t log2_q16, shade_form form, const shade_material *m
 static int32_t model_log2(const shade_material *material, int channel)
 {
     if (shade_is_table(material)) return shade_table_log2(&material->is.table);
-    if (material->model == NACRE_MODEL_SBRDF) return shade_sbrdf_log2(&material->is.sbrdf);
-    return shade_spheres_log2(&material->is.spheres, channel);
+    if (shade_is_sbrdf(material)) return shade_sbrdf_log2(&material->is.sbrdf);
+    return SHADE_HAS_SPHERES ? shade_spheres_log2(&material->is.spheres, channel) : 0;
 }
 
 /* ---- one light ----------------------------------------------------------------------------------- */
+
+/* 1: directions per pixel. */
+static int is_near(const shade_frame *frame)
+{
+    return SHADE_HAS_NEAR && frame->persp;
+}
+
+static int is_point(const nacre_light *light)
+{
+    return SHADE_HAS_NEAR && light->type == NACRE_LIGHT_POINT;
+}
 
 typedef struct placed_light { /* a light as seen from the centre of the mesh */
     int32_t direction_q28[3]; /* view space */
@@ -134,7 +145,7 @@ static placed_light place(const nacre_light *light, const int64_t centre[3])
     int i;
 
     out.distance = fx_real_make(1, 0);
-    if (light->type != NACRE_LIGHT_POINT) {
+    if (!is_point(light)) {
         v[0] = light->direction.x;
         v[1] = light->direction.y;
         v[2] = light->direction.z;
@@ -147,20 +158,15 @@ static placed_light place(const nacre_light *light, const int64_t centre[3])
     return out;
 }
 
-static int is_quarter(const shade_material *material)
-{
-    return material->model == NACRE_MODEL_SPHERES && material->is.spheres.size;
-}
-
 /* Whose values hold f_r l.h. */
 static int over_l_dot_h(const shade_material *material)
 {
-    return shade_is_table(material) || is_quarter(material);
+    return shade_is_table(material) || shade_is_quarter(material);
 }
 
 static int lifted(const shade_material *material, shade_form form)
 {
-    return material->model == NACRE_MODEL_TABLE && form == SHADE_SRGB;
+    return SHADE_HAS_GLES && material->model == NACRE_MODEL_TABLE && form == SHADE_SRGB;
 }
 
 /* r = xyz - w P, with w P = view position / distance. */
@@ -170,11 +176,10 @@ static void set_position(shade_light *out, const nacre_light *light, const place
     int i;
 
     for (i = 0; i < 3; i++)
-        out->position[i] = light->type == NACRE_LIGHT_POINT
-                               ? fx_real_mul(fx_real_make(light->position[i], -16), inverse)
-                               : fx_real_make(place->direction_q28[i], -28);
+        out->position[i] = is_point(light) ? fx_real_mul(fx_real_make(light->position[i], -16), inverse)
+                                           : fx_real_make(place->direction_q28[i], -28);
     out->position[3] = fx_real_make(0, 0);
-    if (light->type == NACRE_LIGHT_POINT) {
+    if (is_point(light)) {
         out->position[3] = inverse;
         out->position[3].e -= position_shift;
     }
@@ -235,8 +240,8 @@ static void set_factors(shade_light *out, const nacre_view *view, const nacre_li
     for (i = 0; i < 3; i++) {
         if (!lit[i]) continue;
         out->linear[i] = shaped(sum[i], SHADE_LINEAR, material);
-        out->factor[i] = shaped(sum[i] - lift * 65536, form, material);
-        if (is_quarter(material) && !persp)
+        if (SHADE_HAS_GLES) out->factor[i] = shaped(sum[i] - lift * 65536, form, material);
+        if (shade_is_quarter(material) && !persp)
             out->is.quarter.root4[i] = fx_real_exp2(fx_shift(sum[i] < 2 * LIMIT_ROOT ? sum[i] : 2 * LIMIT_ROOT, 2));
     }
 }
@@ -304,28 +309,28 @@ static void set_light(shade_frame *frame, int index, const nacre_view *view, con
 
     for (i = 0; i < 3; i++) out->factor[i] = out->linear[i] = fx_real_make(0, 0);
     out->lift = 0;
-    if (given && frame->persp && light->type == NACRE_LIGHT_POINT)
+    if (given && is_near(frame) && is_point(light))
         keep_distance(&place_of, view, light, over_l_dot_h(material) ? 65536 : 0, material);
-    set_position(out, light, &place_of, frame->position_shift);
-    if (frame->persp && lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
+    if (SHADE_HAS_GLES || SHADE_HAS_NEAR) set_position(out, light, &place_of, frame->position_shift);
+    if (is_near(frame) && lifted(material, form)) /* 1 / |r|^2 is the shader's fall-off: it lifts n.l along with it */
         for (i = 0; i < 4; i++) out->position[i].e -= SHADE_LIFT_PERSP / 2;
     incoming(&in, place_of.direction_q28, frame->turn_q28);
     if (shade_is_table(material)) {
         shade_table_light(&out->is.table, &in, &material->is.table);
-        turn_after(out->is.table.own_turn_q28, frame->turn_q28);
-    } else if (is_quarter(material)) {
+        if (SHADE_HAS_GLES) turn_after(out->is.table.own_turn_q28, frame->turn_q28);
+    } else if (shade_is_quarter(material)) {
         shade_quarter_light(&out->is.quarter, &in, &material->is.spheres);
         turn_after(out->is.quarter.own_turn_q28, frame->turn_q28);
-    } else if (material->model == NACRE_MODEL_SBRDF) {
+    } else if (shade_is_sbrdf(material)) {
         shade_sbrdf_light(&out->is.sbrdf, &in);
         in.lost = 0; /* there is no half vector */
-    } else {
+    } else if (SHADE_HAS_SPHERES) {
         shade_spheres_light(&out->is.spheres, &in, &material->is.spheres);
     }
     /* 1 / l.h; per pixel the shader multiplies by 1 / (2 l.h) */
-    if (over_l_dot_h(material)) more = frame->persp ? 65536 : 28 * 65536 - fx_log2_u64((uint64_t)in.l_dot_h_q28);
-    if (given && place_of.valid && (frame->persp || !in.lost))
-        set_factors(out, view, light, &place_of, more, frame->persp, material, form);
+    if (over_l_dot_h(material)) more = is_near(frame) ? 65536 : 28 * 65536 - fx_log2_u64((uint64_t)in.l_dot_h_q28);
+    if (given && place_of.valid && (is_near(frame) || !in.lost))
+        set_factors(out, view, light, &place_of, more, is_near(frame), material, form);
 }
 
 /* ---- the frame ----------------------------------------------------------------------------------- */
@@ -345,7 +350,7 @@ static void set_ambient(shade_frame *out, const nacre_view *view, const shade_ma
 
     for (i = 0; i < 3; i++) {
         out->ambient[i] = ambient_of(view, i, material->albedo[i], material);
-        if (material->model == NACRE_MODEL_SBRDF)
+        if (shade_is_sbrdf(material))
             out->is.sbrdf.ambient[i] = ambient_of(view, i, material->is.sbrdf.albedo_most, material);
     }
 }
@@ -360,12 +365,13 @@ static void set_camera(shade_frame *out, const nacre_view *view, const int64_t c
     for (i = 0; i < 9; i++) out->turn_q28[i / 3][i % 3] = i % 4 ? 0 : FX_Q28_ONE;
     for (i = 0; i < 4; i++) out->eye[i] = fx_real_make(0, 0);
     out->position_shift = 0;
-    if (fx_normalize_q28(to_eye, direction)) out->position_shift = -(fx_real_log2_q16(length(centre)) >> 16);
+    if (fx_normalize_q28(to_eye, direction) && (SHADE_HAS_NEAR || SHADE_HAS_GLES))
+        out->position_shift = -(fx_real_log2_q16(length(centre)) >> 16);
     if (!is_perspective(view)) {
         out->eye[2] = fx_real_make(1, 0);
         return;
     }
-    if (!out->persp) shade_turn_to_z(direction, out->turn_q28);
+    if (!is_near(out)) shade_turn_to_z(direction, out->turn_q28);
     if (view->distant_viewer)
         for (i = 0; i < 3; i++) out->eye[i] = fx_real_make(direction[i], -28);
     else
@@ -397,13 +403,15 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     set_camera(out, view, centre_view);
     set_ambient(out, view, material);
     out->palette = material->palette;
-    if (shade_is_table(material))
+    if (!SHADE_HAS_GLES && !shade_is_sbrdf(material))
+        ; /* only shaders need more */
+    else if (shade_is_table(material))
         shade_table_prepare(&out->is.table, &material->is.table, material->early);
-    else if (is_quarter(material))
+    else if (shade_is_quarter(material))
         shade_quarter_prepare(&out->is.quarter, &material->is.spheres);
-    else if (material->model == NACRE_MODEL_SBRDF)
+    else if (shade_is_sbrdf(material))
         shade_sbrdf_prepare(&out->is.sbrdf, &material->is.sbrdf);
-    else
+    else if (SHADE_HAS_SPHERES)
         shade_spheres_prepare(&out->is.spheres, &material->is.spheres, units);
     for (i = 0; i < NACRE_MAX_LIGHTS; i++) set_light(out, i, view, centre_view, material, form);
 }

@@ -12,6 +12,43 @@
 #include "nacre.h"
 #include "nacre_asset.h"
 
+/* Parts that a build may leave out, see nacre_soft.h. Conditions on them are constant; what only they lead to is dropped. */
+#ifdef NACRE_NO_TABLES
+enum { SHADE_HAS_TABLES = 0 };
+#else
+enum { SHADE_HAS_TABLES = 1 };
+#endif
+#ifdef NACRE_NO_FINE
+enum { SHADE_HAS_FINE = 0 };
+#else
+enum { SHADE_HAS_FINE = 1 };
+#endif
+#ifdef NACRE_NO_SPHERES
+enum { SHADE_HAS_SPHERES = 0 };
+#else
+enum { SHADE_HAS_SPHERES = 1 };
+#endif
+#if defined(NACRE_NO_SBRDF) || defined(NACRE_NO_MAPS)
+enum { SHADE_HAS_SBRDF = 0 };
+#else
+enum { SHADE_HAS_SBRDF = 1 };
+#endif
+#ifdef NACRE_NO_MAPS
+enum { SHADE_HAS_MAPS = 0 };
+#else
+enum { SHADE_HAS_MAPS = 1 };
+#endif
+#ifdef NACRE_NO_NEAR
+enum { SHADE_HAS_NEAR = 0 };
+#else
+enum { SHADE_HAS_NEAR = 1 };
+#endif
+#ifdef NACRE_NO_GLES
+enum { SHADE_HAS_GLES = 0 };
+#else
+enum { SHADE_HAS_GLES = 1 };
+#endif
+
 #define SHADE_MAX_UNITS 8 /* sphere layers that one program can sample: ES 2.0 has 8 texture units */
 
 /* Decoded keys of a table file (nacre_asset.h, NACRE_KEY_TABLE). */
@@ -86,8 +123,26 @@ int shade_role_has_uv(int role);
 /* 1: its set-up is that of a table. */
 static inline int shade_is_table(const shade_material *material)
 {
-    return material->model == NACRE_MODEL_TABLE || material->model == NACRE_MODEL_PALETTE;
+    if (!SHADE_HAS_TABLES) return 0;
+    return (!SHADE_HAS_SPHERES && !SHADE_HAS_SBRDF) || material->model == NACRE_MODEL_TABLE ||
+           material->model == NACRE_MODEL_PALETTE;
 }
+
+static inline int shade_is_quarter(const shade_material *material)
+{
+    return SHADE_HAS_SPHERES && material->model == NACRE_MODEL_SPHERES && material->is.spheres.size;
+}
+
+static inline int shade_is_sbrdf(const shade_material *material)
+{
+    return SHADE_HAS_SBRDF && material->model == NACRE_MODEL_SBRDF;
+}
+
+static inline int shade_is_fine(const shade_material *material)
+{
+    return SHADE_HAS_FINE && material->fine;
+}
+
 /* 1: materials of this model may have an image of this role. */
 int shade_model_takes(nacre_model model, int role);
 

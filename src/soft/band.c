@@ -13,7 +13,7 @@ typedef struct drawing {
 static void draw_corners(const drawing *d, const soft_item *item, unsigned item_index,
                          const soft_vertex *const corner[3], const soft_detail *const detail[3])
 {
-    if (item->mapped)
+    if (SHADE_HAS_MAPS && item->mapped)
         soft_draw_mapped(item, corner, detail, &d->pixels, item_index);
     else
         d->soft->desc.kernels->draw(corner, item->cull, &d->pixels, item_index);
@@ -54,7 +54,7 @@ static void draw_triangle(void *user, const soft_item *item, unsigned item_index
     if (item->blend ? d->blended != item : d->blended != NULL) return;
     if (corner[0]->z == SOFT_OUTSIDE || corner[1]->z == SOFT_OUTSIDE || corner[2]->z == SOFT_OUTSIDE)
         draw_clipped(d, item, item_index, index);
-    else if (item->mapped)
+    else if (SHADE_HAS_MAPS && item->mapped)
         draw_mapped(d, item, item_index, index, corner);
     else
         d->soft->desc.kernels->draw(corner, item->cull, &d->pixels, item_index);
@@ -131,7 +131,7 @@ nacre_result nacre_soft_band(const nacre_soft *soft, int y0, int y1, void *scrat
     draw_rows(&d, y0, y1);
     for (y = y0; y < y1; y++)
         soft_shade_row(soft, &d.pixels, y, (uint8_t *)pixels + (size_t)(y - d.pixels.row0) * stride);
-    for (i = 0; i < soft->item_count; i++) {
+    for (i = 0; SHADE_HAS_MAPS && i < soft->item_count; i++) {
         if (!soft->item[i].blend) continue;
         d.blended = &soft->item[i];
         memset(d.pixels.xy, 0x80, (size_t)rows * soft->desc.width * 4);

@@ -56,17 +56,24 @@ static void cross(corner *out, const corner *in, const corner *beyond, int64_t d
     out->detail.handed = in->detail.handed;
 }
 
-static int clip_plane(const corner *in, int count, int plane, corner *out)
+/* In place: count corners from polygon[1] on become those from polygon[0] on. A convex polygon gains one corner at most, and
+   not before one is read, so that none is written over before; where rounding has bent it, one may be lost. */
+static int clip_plane(corner *polygon, int count, int plane)
 {
+    const corner first = polygon[1];
+    corner from = first;
+    int64_t d_from = distance(from.clip, plane);
     int i, kept = 0;
 
-    for (i = 0; i < count; i++) {
-        const corner *const a = &in[i], *const b = &in[i + 1 < count ? i + 1 : 0];
-        const int64_t da = distance(a->clip, plane), db = distance(b->clip, plane);
+    for (i = 1; i <= count; i++) {
+        const corner *const to = i < count ? &polygon[i + 1] : &first;
+        const int64_t d_to = distance(to->clip, plane);
 
-        if (da >= 0) out[kept++] = *a;
-        if (da >= 0 && db < 0) cross(&out[kept++], a, b, da, db);
-        if (da < 0 && db >= 0) cross(&out[kept++], b, a, db, da);
+        if (d_from >= 0) polygon[kept++] = from;
+        if (d_from >= 0 && d_to < 0 && kept <= i) cross(&polygon[kept++], &from, to, d_from, d_to);
+        if (d_from < 0 && d_to >= 0 && kept <= i) cross(&polygon[kept++], to, &from, d_to, d_from);
+        from = *to;
+        d_from = d_to;
     }
     return kept;
 }
@@ -74,22 +81,24 @@ static int clip_plane(const corner *in, int count, int plane, corner *out)
 int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t index[3],
               soft_vertex out[SOFT_MOST_CORNERS], soft_detail detail[SOFT_MOST_CORNERS])
 {
-    corner polygon[2][SOFT_MOST_CORNERS + 1];
+    corner polygon[SOFT_MOST_CORNERS + 2];
     int i, k, plane, count = 3;
 
     for (i = 0; i < 3; i++) {
-        corner *const c = &polygon[0][i];
+        corner *const c = &polygon[i];
         const soft_vertex *const v = &soft->vertex[item->first_vertex + index[i]];
 
         soft_clip_position(&item->camera, item->mesh->vertices[index[i]].position, c->clip);
         for (k = 0; k < 3; k++) c->normal[k] = v->normal[k];
-        soft_detail_of(item, index[i], &c->detail);
+        if (SHADE_HAS_MAPS) soft_detail_of(item, index[i], &c->detail);
     }
-    for (plane = 0; plane < PLANES && count; plane++)
-        count = clip_plane(polygon[plane & 1], count, plane, polygon[~plane & 1]);
+    for (plane = 0; plane < PLANES && count; plane++) {
+        for (i = count; i > 0; i--) polygon[i] = polygon[i - 1];
+        count = clip_plane(polygon, count, plane);
+    }
     if (count > SOFT_MOST_CORNERS) count = SOFT_MOST_CORNERS;
     for (i = 0; i < count; i++) {
-        const corner *const c = &polygon[PLANES & 1][i];
+        const corner *const c = &polygon[i];
 
         soft_project(soft, &item->camera, c->clip, &out[i]);
         for (k = 0; k < 3; k++) out[i].normal[k] = c->normal[k];

@@ -5,7 +5,14 @@
 #include <string.h>
 
 const nacre_soft_kernels nacre_soft_portable = {
-    soft_draw, shade_normalise, shade_table_add, shade_table_code, shade_encode, soft_lit, 0};
+    soft_draw,
+    shade_normalise,
+    SHADE_HAS_TABLES ? shade_table_add : 0,
+    SHADE_HAS_TABLES ? shade_table_code : 0,
+    SHADE_HAS_TABLES || SHADE_HAS_SPHERES ? shade_encode : 0,
+    soft_lit,
+    0,
+};
 
 static nacre_soft_desc with_defaults(const nacre_soft_desc *desc)
 {

@@ -30,11 +30,12 @@ static nacre_result open_source(source *out, const nacre_soft_lit_desc *desc)
     plain.image[NACRE_ROLE_NORMAL] = plain.image[NACRE_ROLE_MASK] = NULL;
     r = shade_material_read(&out->material, &plain);
     if (r) return r;
-    if (plain.model == NACRE_MODEL_SBRDF || plain.model == NACRE_MODEL_PALETTE)
+    if (shade_is_sbrdf(&out->material) || plain.model == NACRE_MODEL_PALETTE)
         return NACRE_ERR_UNSUPPORTED; /* a sphere is of one material */
     image = plain.image[shade_model_role(plain.model)];
     if (image->format != NACRE_FORMAT_RGBA8 && image->format != NACRE_FORMAT_RGB8) return NACRE_ERR_UNSUPPORTED;
-    if (plain.model == NACRE_MODEL_SPHERES && image->width != image->height) return NACRE_ERR_UNSUPPORTED;
+    if (SHADE_HAS_SPHERES && plain.model == NACRE_MODEL_SPHERES && image->width != image->height)
+        return NACRE_ERR_UNSUPPORTED;
     for (i = 0; i < image->layers; i++) out->layer[i] = nacre_image_texels(image, 0, (unsigned)i, 0, NULL);
     out->kernels.table_add = kernels->table_add;
     out->kernels.encode = kernels->encode;

@@ -41,7 +41,7 @@ static nacre_result set_tables(const nacre_soft *soft, soft_item *item, uint32_t
     uint32_t *columns = (uint32_t *)(void *)(table + soft->desc.max_lights);
     int i;
 
-    if (material->is.table.width > soft->desc.table_columns || (material->fine && !soft->desc.fine))
+    if (material->is.table.width > soft->desc.table_columns || (shade_is_fine(material) && !soft->desc.fine))
         return NACRE_ERR_BUDGET;
     item->table = table;
     for (i = 0; i < soft->frame->light_count; i++) {
@@ -52,8 +52,8 @@ static nacre_result set_tables(const nacre_soft *soft, soft_item *item, uint32_t
     }
     item->one_code = item->lights == 1 && item->output == NACRE_OUTPUT_SRGB && shade_table_has_code(table) &&
                      !(item->ambient[0].m | item->ambient[1].m | item->ambient[2].m);
-    item->codes_565 = item->one_code && !material->fine && !soft->desc.dither && soft->desc.kernels->table_565 &&
-                      soft->desc.format <= NACRE_SOFT_RGB565_SWAPPED;
+    item->codes_565 = item->one_code && !shade_is_fine(material) && !soft->desc.dither &&
+                      soft->desc.kernels->table_565 && soft->desc.format <= NACRE_SOFT_RGB565_SWAPPED;
     return NACRE_OK;
 }
 
@@ -157,18 +157,21 @@ static nacre_result set_material(preparing *p, soft_item *item, uint32_t index, 
 
     if (r) return r;
     if (view->light_count > soft->desc.max_lights) return NACRE_ERR_BUDGET;
-    if (material.model == NACRE_MODEL_PALETTE) return NACRE_ERR_UNSUPPORTED;
+    if (material.model == NACRE_MODEL_PALETTE || (!SHADE_HAS_NEAR && needs_persp(view, &material)))
+        return NACRE_ERR_UNSUPPORTED;
     shade_setup(soft->frame, view, from->mesh->centre, &material, SHADE_LINEAR, needs_persp(view, &material), 2);
     memcpy(item->ambient, soft->frame->ambient, sizeof item->ambient);
     item->output = view->output;
-    item->persp = soft->frame->persp;
-    if (item->persp && !soft_lens_set(&item->lens, soft, view, soft->frame)) return NACRE_ERR_UNSUPPORTED;
-    if (material.model == NACRE_MODEL_SBRDF) return set_sbrdf(p, item, index, &material, from);
-    if (material.model == NACRE_MODEL_TABLE)
-        return item->persp ? set_near_table(p, item, index, &material, image[NACRE_ROLE_TABLE])
-                           : set_tables(soft, item, index, &material, image[NACRE_ROLE_TABLE]);
-    return item->persp ? set_near_spheres(p, item, index, &material, image[NACRE_ROLE_SPHERES])
-                       : set_spheres(soft, item, index, &material, image[NACRE_ROLE_SPHERES]);
+    item->persp = SHADE_HAS_NEAR && soft->frame->persp;
+    if (SHADE_HAS_NEAR && item->persp && !soft_lens_set(&item->lens, soft, view, soft->frame))
+        return NACRE_ERR_UNSUPPORTED;
+    if (shade_is_sbrdf(&material)) return set_sbrdf(p, item, index, &material, from);
+    if (shade_is_table(&material))
+        return SHADE_HAS_NEAR && item->persp ? set_near_table(p, item, index, &material, image[NACRE_ROLE_TABLE])
+                                             : set_tables(soft, item, index, &material, image[NACRE_ROLE_TABLE]);
+    if (!SHADE_HAS_SPHERES) return NACRE_ERR_UNSUPPORTED;
+    return SHADE_HAS_NEAR && item->persp ? set_near_spheres(p, item, index, &material, image[NACRE_ROLE_SPHERES])
+                                         : set_spheres(soft, item, index, &material, image[NACRE_ROLE_SPHERES]);
 }
 
 static nacre_result set_lit(preparing *p, const nacre_soft_item *from)
@@ -203,6 +206,7 @@ static nacre_result set_maps(const preparing *p, soft_item *item, const nacre_so
     const unsigned flags = (from->clamp ? SOFT_CLAMP : 0) | (from->nearest ? SOFT_NEAREST : 0);
     nacre_result r = NACRE_OK;
 
+    if (!SHADE_HAS_MAPS) return from->blend ? NACRE_ERR_UNSUPPORTED : NACRE_OK;
     item->blend = from->blend;
     item->alpha_least = from->alpha_test;
     if (from->blend && !p->soft->desc.blend) return NACRE_ERR_BUDGET;
@@ -238,7 +242,11 @@ static nacre_result add_item(preparing *p, const nacre_soft_item *from, const na
     item->triangle_count = from->mesh->index_count / 3;
     p->view = *view;
     p->view.object_to_view = from->object_to_view;
-    r = from->lit ? set_lit(p, from) : set_material(p, item, index, from);
+    if (from->lit)
+        r = set_lit(p, from);
+    else
+        r = SHADE_HAS_TABLES || SHADE_HAS_SPHERES || SHADE_HAS_SBRDF ? set_material(p, item, index, from)
+                                                                     : NACRE_ERR_UNSUPPORTED;
     if (!r) r = set_maps(p, item, from);
     if (r) return r;
     soft_camera_set(&item->camera, from, &p->view, soft->frame->turn_q28, &p->low, &p->high);

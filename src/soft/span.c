@@ -79,25 +79,25 @@ static void shade_batch(const nacre_soft *soft, const soft_item *item, const sof
     const shade_rgb radiance = {sum[0], sum[1], sum[2]};
     int i;
 
-    if (item->sbrdf) {
+    if (SHADE_HAS_SBRDF && item->sbrdf) {
         memcpy(rgba, xy, (size_t)count * sizeof *rgba);
         return;
     }
-    if (item->one_code) {
+    if (SHADE_HAS_TABLES && item->one_code) {
         k->table_code(item->table, xy, z, count, rgba);
         return;
     }
     k->normalise(xy, z, count);
     shade_rgb_fill(radiance, count, item->ambient);
-    if (item->near_light) {
+    if (SHADE_HAS_NEAR && item->near_light) {
         shade_near(item, xy, z, from->depth + at, x, y, count, radiance);
         k->encode(radiance, count, (nacre_output)item->output, rgba);
         return;
     }
     for (i = 0; i < item->lights; i++) {
-        if (item->table)
+        if (SHADE_HAS_TABLES && item->table)
             k->table_add(&item->table[i], xy, z, count, radiance);
-        else
+        else if (SHADE_HAS_SPHERES)
             shade_spheres_add(&item->spheres[i], xy, z, count, radiance);
     }
     k->encode(radiance, count, (nacre_output)item->output, rgba);
@@ -113,12 +113,12 @@ static void shade_run(const nacre_soft *soft, const soft_item *item, const soft_
         soft->desc.kernels->lit(item->lit, from->xy + at, from->z + at, count, bytes, to);
         return;
     }
-    if (item->codes_565) {
+    if (SHADE_HAS_TABLES && item->codes_565) {
         soft->desc.kernels->table_565(item->table, from->xy + at, from->z + at, count, (uint16_t *)(void *)to);
         if (soft->desc.format == NACRE_SOFT_RGB565_SWAPPED) soft_swap((uint16_t *)(void *)to, count);
         return;
     }
-    while (count > 0) {
+    while ((SHADE_HAS_TABLES || SHADE_HAS_SPHERES || SHADE_HAS_SBRDF) && count > 0) {
         const int32_t now = count < BATCH ? count : BATCH;
 
         shade_batch(soft, item, from, at, x, y, now, rgba);
