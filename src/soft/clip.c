@@ -56,23 +56,22 @@ static void cross(corner *out, const corner *in, const corner *beyond, int64_t d
     out->detail.handed = in->detail.handed;
 }
 
-/* In place: count corners from polygon[1] on become those from polygon[0] on. A convex polygon gains one corner at most, and
-   not before one is read, so that none is written over before; where rounding has bent it, one may be lost. */
+/* In place. A convex polygon gains one corner at most, which is written after the next one has been read; where rounding has
+   bent it, one may be lost. */
 static int clip_plane(corner *polygon, int count, int plane)
 {
-    const corner first = polygon[1];
-    corner from = first;
-    int64_t d_from = distance(from.clip, plane);
+    const corner first = polygon[0];
+    corner from = first, to;
+    int64_t d_from = distance(from.clip, plane), d_to;
     int i, kept = 0;
 
-    for (i = 1; i <= count; i++) {
-        const corner *const to = i < count ? &polygon[i + 1] : &first;
-        const int64_t d_to = distance(to->clip, plane);
-
+    for (i = 0; i < count; i++) {
+        to = i + 1 < count ? polygon[i + 1] : first;
+        d_to = distance(to.clip, plane);
         if (d_from >= 0) polygon[kept++] = from;
-        if (d_from >= 0 && d_to < 0 && kept <= i) cross(&polygon[kept++], &from, to, d_from, d_to);
-        if (d_from < 0 && d_to >= 0 && kept <= i) cross(&polygon[kept++], to, &from, d_to, d_from);
-        from = *to;
+        if (d_from >= 0 && d_to < 0 && kept < i + 2) cross(&polygon[kept++], &from, &to, d_from, d_to);
+        if (d_from < 0 && d_to >= 0 && kept < i + 2) cross(&polygon[kept++], &to, &from, d_to, d_from);
+        from = to;
         d_from = d_to;
     }
     return kept;
@@ -81,7 +80,7 @@ static int clip_plane(corner *polygon, int count, int plane)
 int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t index[3],
               soft_vertex out[SOFT_MOST_CORNERS], soft_detail detail[SOFT_MOST_CORNERS])
 {
-    corner polygon[SOFT_MOST_CORNERS + 2];
+    corner polygon[SOFT_MOST_CORNERS + 1];
     int i, k, plane, count = 3;
 
     for (i = 0; i < 3; i++) {
@@ -92,10 +91,7 @@ int soft_clip(const nacre_soft *soft, const soft_item *item, const uint32_t inde
         for (k = 0; k < 3; k++) c->normal[k] = v->normal[k];
         if (SHADE_HAS_MAPS) soft_detail_of(item, index[i], &c->detail);
     }
-    for (plane = 0; plane < PLANES && count; plane++) {
-        for (i = count; i > 0; i--) polygon[i] = polygon[i - 1];
-        count = clip_plane(polygon, count, plane);
-    }
+    for (plane = 0; plane < PLANES && count; plane++) count = clip_plane(polygon, count, plane);
     if (count > SOFT_MOST_CORNERS) count = SOFT_MOST_CORNERS;
     for (i = 0; i < count; i++) {
         const corner *const c = &polygon[i];
