@@ -109,7 +109,7 @@ typedef struct nacre_soft_item {
     uint8_t cull;                   /* nacre_soft_cull (back faces) */
     uint8_t alpha_test;             /* (0) pixels of a lower alpha are not drawn: 1..255 */
     uint8_t blend;                  /* (0) 1: blended by their alpha over what is there, after all others, as one
-                                        surface; several in their order. desc.blend must be 1 */
+                                        surface; several in their order, the farthest first. desc.blend must be 1 */
     uint8_t clamp, nearest;         /* (0: repeated, bilinear) how maps are read */
 } nacre_soft_item;
 

@@ -15,8 +15,9 @@ unsigned soft_pixel_bytes(unsigned format)
 /* code x most / 255, nearest; plus the threshold (of 16) of a step */
 static uint32_t fewer(uint32_t code, uint32_t most, uint32_t threshold)
 {
-    /* x 257 >> 16 is / 255 for the range here */
-    return ((code * most * 16 + threshold * 255) * 257 + 257) >> 20;
+    const uint32_t x = code * most * 16 + threshold * 255 + 1;
+
+    return (x + (x >> 8) + (x >> 16)) >> 12; /* floor((x - 1) / 255) / 16 for all of them */
 }
 
 static uint32_t rgb565(uint32_t c, uint32_t threshold)
