@@ -11,7 +11,9 @@
 #include "cases.h"
 #include "fake_gl.h"
 #include "gles_kit.h"
+#include "nacre_asset.h"
 #include "nacre_gles.h"
+#include "sbrdf_map.h"
 
 #include <cmocka.h> /* last: it makes a macro of fail */
 
@@ -78,6 +80,59 @@ static void count_textures(gl_backend backend, const char *where)
     gl_headless_close(gl);
 }
 
+/* Maps of 256 x 256 with all their levels: 4 bytes x 4/3 a texel of the diffuse albedo and of two layers a lobe. */
+static void count_maps(gl_backend backend, const char *where)
+{
+    static const char *const what[] = {"sbrdf-1-lobe", "sbrdf-2-lobes", "sbrdf-3-lobes"};
+    gl_headless *gl;
+    kit k;
+
+    if (!kit_context(&gl, backend, 16, 16)) {
+        print_message("SKIPPED: %s: no such context on this machine\n", where);
+        skip();
+    }
+    kit_open(&k);
+    for (int lobes = 1; lobes <= NACRE_MAX_LOBES; lobes++) {
+        bytes file[2] = {{0}};
+        nacre_image image[2];
+        nacre_material material = {.model = NACRE_MODEL_SBRDF};
+        sbrdf_map map;
+        kit_world w;
+        nacre_gles_item item;
+
+        sbrdf_map_make(&map, 256, 256, lobes, 0, 0);
+        sbrdf_map_write(&map, &file[0], &file[1]);
+        sbrdf_map_free(&map);
+        for (int i = 0; i < 2; i++) assert_int_equal(nacre_image_open(&image[i], file[i].data, file[i].size), NACRE_OK);
+        material.image[NACRE_ROLE_ALBEDO] = &image[0];
+        material.image[NACRE_ROLE_LOBES] = &image[1];
+        fake_gl_start(&(fake_gl_options){.real = gl_headless_proc});
+        kit_world_make(&w, NULL);
+        assert_int_equal(kit_world_init(&w), NACRE_OK);
+        assert_int_equal(nacre_gles_add(w.gles, &k.ball, &material, &item), NACRE_OK);
+        assert_int_equal(nacre_gles_texture_bytes(w.gles), fake_gl_texture_bytes());
+        hold(what[lobes - 1], where, fake_gl_texture_bytes());
+        nacre_gles_shutdown(w.gles);
+        assert_int_equal(fake_gl_texture_bytes(), 0);
+        assert_true(kit_world_free(&w));
+        for (int i = 0; i < 2; i++) bytes_free(&file[i]);
+    }
+    kit_close(&k);
+    gl_headless_close(gl);
+}
+
+static void maps_on_egl2(void **state)
+{
+    (void)state;
+    count_maps(GL_BACKEND_EGL2, "egl2");
+}
+
+static void maps_on_egl3(void **state)
+{
+    (void)state;
+    count_maps(GL_BACKEND_EGL3, "egl3");
+}
+
 static void textures_on_egl2(void **state)
 {
     (void)state;
@@ -111,10 +166,8 @@ static void blocks(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(textures_on_egl2),
-        cmocka_unit_test(textures_on_egl3),
-        cmocka_unit_test(textures_on_osmesa),
-        cmocka_unit_test(blocks),
+        cmocka_unit_test(textures_on_egl2), cmocka_unit_test(textures_on_egl3), cmocka_unit_test(textures_on_osmesa),
+        cmocka_unit_test(maps_on_egl2),     cmocka_unit_test(maps_on_egl3),     cmocka_unit_test(blocks),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -220,6 +220,17 @@ static void passes_on_fake(void **state)
             "ES 3.0, 8 lights in passes, 2 programs");
 }
 
+static void maps_on_fake(void **state)
+{
+    (void)state;
+    run_all(&(session){.model = KIT_SBRDF, .lights = 1, .desc = {.power = NACRE_GLES_POWER_TABLE}, .prepare = 1},
+            "ES 2.0, maps of lobes");
+    run_all(&(session){.gl = {.es = 3}, .model = KIT_SBRDF, .normal = 1, .lights = 2, .points = 1, .perspective = 1},
+            "ES 3.0, maps of lobes and normals, 2 lights");
+    run_all(&(session){.model = KIT_SBRDF, .lights = 7, .desc = {.power = NACRE_GLES_POWER_TABLE, .max_programs = 3}},
+            "ES 2.0, maps of lobes, 7 lights in passes");
+}
+
 static void lit_on_fake(void **state)
 {
     (void)state;
@@ -240,6 +251,7 @@ static void on_driver(gl_backend backend, const char *what)
     }
     run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 1, .prepare = 1}, what);
     run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SPHERES, .lights = 7, .lit = 1}, what);
+    run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SBRDF, .lights = 1}, what);
     gl_headless_close(context);
 }
 
@@ -258,10 +270,10 @@ static void on_osmesa(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(on_fake_es2), cmocka_unit_test(on_fake_es2_unprepared),
-        cmocka_unit_test(on_fake_es3), cmocka_unit_test(passes_on_fake),
-        cmocka_unit_test(lit_on_fake), cmocka_unit_test(on_egl2),
-        cmocka_unit_test(on_osmesa),
+        cmocka_unit_test(on_fake_es2),  cmocka_unit_test(on_fake_es2_unprepared),
+        cmocka_unit_test(on_fake_es3),  cmocka_unit_test(passes_on_fake),
+        cmocka_unit_test(maps_on_fake), cmocka_unit_test(lit_on_fake),
+        cmocka_unit_test(on_egl2),      cmocka_unit_test(on_osmesa),
     };
     int failed;
     kit_open(&assets);

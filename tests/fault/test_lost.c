@@ -163,6 +163,14 @@ static void at_every_call_of_passes(void **state)
     lose_all(&(session){.model = KIT_SPHERES, .lights = 7}, "ES 2.0, 7 lights in passes");
 }
 
+static void at_every_call_of_maps(void **state)
+{
+    (void)state;
+    lose_all(&(session){.model = KIT_SBRDF, .normal = 1, .lights = 1}, "ES 2.0, maps of lobes");
+    lose_all(&(session){.gl = {.es = 3}, .model = KIT_SBRDF, .lights = 2}, "ES 3.0, maps of lobes");
+    lose_all(&(session){.model = KIT_SBRDF, .lights = 7}, "ES 2.0, maps of lobes, 7 lights in passes");
+}
+
 static void at_every_call_of_updates(void **state)
 {
     (void)state;
@@ -212,9 +220,10 @@ static image_u8 picture(run *r)
     return out;
 }
 
-static void pictures_return(gl_backend backend, const char *what)
+/* A loss at every so-many-th call: each costs a context and a program. */
+static void picture_returns(const session *given, int every, gl_backend backend, const char *what)
 {
-    const session s = {.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 5, .lit = 1};
+    const session s = *given;
     run r;
     int covered;
     long n = 1;
@@ -226,7 +235,7 @@ static void pictures_return(gl_backend backend, const char *what)
     assert_int_equal(all_steps(&r, &s), NACRE_OK);
     image_u8 first = picture(&r);
     end_run(&r);
-    for (int more = 1; more; n += 3) { /* every third call: each costs a context and a program */
+    for (int more = 1; more; n += every) {
         more = until_lost(&r, &s, n);
         gl_headless_close(context);
         assert_true(kit_context(&context, backend, SIZE, SIZE));
@@ -240,9 +249,17 @@ static void pictures_return(gl_backend backend, const char *what)
         image_u8_free(&again);
         end_run(&r);
     }
-    print_message("%s: the same picture after a loss at every third of %ld calls\n", what, n);
+    print_message("%s: the same picture after a loss at every %d. of %ld calls\n", what, every, n);
     image_u8_free(&first);
     gl_headless_close(context);
+}
+
+static void pictures_return(gl_backend backend, const char *what)
+{
+    picture_returns(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 5, .lit = 1}, 3, backend,
+                    what);
+    picture_returns(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SBRDF, .normal = 1, .lights = 2}, 9,
+                    backend, what);
 }
 
 static void pictures_return_egl2(void **state)
@@ -266,10 +283,11 @@ static void pictures_return_osmesa(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(at_every_call_es2),       cmocka_unit_test(at_every_call_es3),
-        cmocka_unit_test(at_every_call_of_passes), cmocka_unit_test(at_every_call_of_updates),
-        cmocka_unit_test(while_restoring),         cmocka_unit_test(pictures_return_egl2),
-        cmocka_unit_test(pictures_return_egl3),    cmocka_unit_test(pictures_return_osmesa),
+        cmocka_unit_test(at_every_call_es2),        cmocka_unit_test(at_every_call_es3),
+        cmocka_unit_test(at_every_call_of_passes),  cmocka_unit_test(at_every_call_of_maps),
+        cmocka_unit_test(at_every_call_of_updates), cmocka_unit_test(while_restoring),
+        cmocka_unit_test(pictures_return_egl2),     cmocka_unit_test(pictures_return_egl3),
+        cmocka_unit_test(pictures_return_osmesa),
     };
     int failed;
     kit_open(&assets);

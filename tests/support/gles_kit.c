@@ -27,7 +27,11 @@ static void append_texel(bytes *out, int format, double x, double y, int layer)
         t[0] = (uint8_t)w;
         t[1] = (uint8_t)(w >> 8);
     }
-    bytes_append(out, t, format == NACRE_FORMAT_RGBA8 ? 4 : format == NACRE_FORMAT_RGB8 ? 3 : 2);
+    bytes_append(out, t,
+                 format == NACRE_FORMAT_RGBA8  ? 4
+                 : format == NACRE_FORMAT_RGB8 ? 3
+                 : format == NACRE_FORMAT_R8   ? 1
+                                               : 2);
 }
 
 static void append_normal(bytes *out, double x, double y)
@@ -67,6 +71,26 @@ static void fill(ktx2_image *k, int normal)
     }
 }
 
+/* Of a material that varies over the surface. */
+static void add_map_keys(ktx2_image *k, kit_model model)
+{
+    static const double most[2] = {0.75, 2}, shape[2] = {1, 1.5};
+    const uint32_t lobes = 2, one = 1;
+    ktx2_key_text(k, NACRE_KEY_ROLE, model == KIT_SBRDF ? "albedo" : model == KIT_LOBES ? "lobes" : "power");
+    ktx2_key_text(k, NACRE_KEY_TRANSFER, model == KIT_POWER ? "root" : "linear");
+    if (model == KIT_POWER) return;
+    ktx2_key_q16(k, NACRE_KEY_MOST, most, model == KIT_LOBES ? 2 : 1);
+    if (model != KIT_LOBES) return;
+    ktx2_key_u32(k, NACRE_KEY_LOBES, &lobes, 1);
+    ktx2_key_q16(k, NACRE_KEY_SHAPE, shape, 2);
+    ktx2_key_u32(k, NACRE_KEY_DIRECTION, &one, 1);
+}
+
+static int is_map(kit_model model)
+{
+    return model == KIT_SBRDF || model == KIT_LOBES || model == KIT_POWER;
+}
+
 static void add_keys(ktx2_image *k, kit_model model)
 {
     static const double albedo[3] = {0.25, 0.5, 0.125}, f_scale[3] = {20, 12.5, 5}, e[3] = {0.5, 0.5, 0.5};
@@ -77,6 +101,10 @@ static void add_keys(ktx2_image *k, kit_model model)
         return;
     }
     ktx2_key_q16(k, NACRE_KEY_ALBEDO, albedo, 3);
+    if (is_map(model)) {
+        add_map_keys(k, model);
+        return;
+    }
     if (model == KIT_TABLE || model == KIT_FINE) {
         const double fine = model == KIT_FINE;
         const double table[9] = {
@@ -107,6 +135,8 @@ static void make_asset(kit *k, kit_model model)
         [KIT_SPHERES] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},  [KIT_PAPER] = {NACRE_FORMAT_RGBA8, 128, 128, 4, 8},
         [KIT_ETC1] = {NACRE_FORMAT_ETC2_RGB8, 16, 16, 3, 5}, [KIT_RGB565] = {NACRE_FORMAT_RGB565, 20, 12, 5, 2},
         [KIT_QUARTER] = {NACRE_FORMAT_RGB8, 16, 16, 5, 1},   [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
+        [KIT_SBRDF] = {NACRE_FORMAT_RGBA8, 16, 16, 0, 5},    [KIT_LOBES] = {NACRE_FORMAT_RGBA8, 16, 16, 4, 5},
+        [KIT_POWER] = {NACRE_FORMAT_R8, 32, 16, 0, 1},
     };
     ktx2_image image;
     bytes file = {0};
@@ -199,8 +229,15 @@ nacre_material kit_material(const kit *k, kit_model model, int normal)
 {
     nacre_material m;
     memset(&m, 0, sizeof m);
-    m.model = model == KIT_TABLE || model == KIT_FINE ? NACRE_MODEL_TABLE : NACRE_MODEL_SPHERES;
-    m.image[model == KIT_TABLE || model == KIT_FINE ? NACRE_ROLE_TABLE : NACRE_ROLE_SPHERES] = &k->image[model];
+    if (model == KIT_SBRDF) {
+        m.model = NACRE_MODEL_SBRDF;
+        m.image[NACRE_ROLE_ALBEDO] = &k->image[KIT_SBRDF];
+        m.image[NACRE_ROLE_LOBES] = &k->image[KIT_LOBES];
+        m.image[NACRE_ROLE_POWER] = &k->image[KIT_POWER];
+    } else {
+        m.model = model == KIT_TABLE || model == KIT_FINE ? NACRE_MODEL_TABLE : NACRE_MODEL_SPHERES;
+        m.image[m.model == NACRE_MODEL_TABLE ? NACRE_ROLE_TABLE : NACRE_ROLE_SPHERES] = &k->image[model];
+    }
     if (normal) m.image[NACRE_ROLE_NORMAL] = &k->image[KIT_NORMAL];
     return m;
 }
