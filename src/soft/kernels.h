@@ -304,16 +304,6 @@ static void encode(shade_rgb radiance, int count, nacre_output output, uint32_t 
     shade_encode(rest, count - i, output, rgba + i);
 }
 
-static inline int32_t least_of(int32_t a, int32_t b)
-{
-    return a < b ? a : b;
-}
-
-static inline int32_t most_of(int32_t a, int32_t b)
-{
-    return a > b ? a : b;
-}
-
 /* ---- triangles -------------------------------------------------------------------------------------------------------------- */
 
 typedef struct walk {                           /* planes: depth, normal x, y, z */
@@ -374,7 +364,7 @@ static inline void fill_part(const soft_triangle *t, walk *w, soft_edge *left, s
     int i;
 
     for (; row < end; row++) {
-        const int32_t x0 = most_of(left->x, to->x0), x1 = least_of(right->x, to->x1);
+        const int32_t x0 = soft_most(left->x, to->x0), x1 = soft_least(right->x, to->x1);
 
         if (x0 < x1) fill_span(w, x0 - t->x0, to, at + (size_t)x0, x1 - x0, item);
         for (i = 0; i < SOFT_PLANES; i++) w->line[i] = plus(w->line[i], w->down[i]);
@@ -414,14 +404,10 @@ static void fill(const soft_vertex *const corner[3], int cull, const soft_pixels
 
 /* ---- small triangles: a few columns, every pixel tested against the three edges ---------------------------------------------- */
 
-/* From p to q, the inside on the right: 0 and up at samples inside, or on a left or top edge. */
-static inline lanes edge_at(const soft_vertex *p, const soft_vertex *q, int32_t x, int32_t y, lanes *down)
+static inline lanes side_at(soft_side s, lanes *down)
 {
-    const int32_t dx = q->x - p->x, dy = q->y - p->y;
-    const int32_t at = dx * (y - p->y) - dy * (x - p->x) - !(dy < 0 || (!dy && dx > 0));
-
-    *down = all(16 * dx);
-    return plus(all(at), times(all(-16 * dy), ramp()));
+    *down = all(s.down);
+    return plus(all(s.at), times(all(s.right), ramp()));
 }
 
 /* Which of a row's columns are inside all edges. */
@@ -439,7 +425,7 @@ static inline lanes corner_of(const soft_vertex *v, int perspective, int up)
     return WITH_FOURTH(n, v->z >> 15);
 }
 
-/* soft_set_planes for triangles below 2048 in width and height, whose numerators have 28 bits: at the sample that is so many
+/* soft_set_planes for triangles below SOFT_SMALL, whose numerators have 28 bits: at the sample that is so many
    columns and rows from the first corner's. */
 static inline void set_small_walk(walk *w, const soft_vertex *const corner[3], int64_t area, int32_t right,
                                   int32_t below)
@@ -472,28 +458,28 @@ static inline void set_small_walk(walk *w, const soft_vertex *const corner[3], i
     set_walk(w, plus(at, plus(times(dx, all(right)), times(dy, all(below)))), dx, dy);
 }
 
-/* Columns x0..x1-1, at most LANES. */
-static inline void fill_small(const soft_vertex *const corner[3], int64_t area, int32_t x0, int32_t x1, int32_t y0,
-                              int32_t y1, const soft_pixels *to, unsigned item)
+/* Columns from x0 on, at most LANES. */
+static inline void fill_small(const soft_vertex *const corner[3], int64_t area, const soft_box *box, int32_t x0,
+                              const soft_pixels *to, unsigned item)
 {
     const soft_vertex *const a = corner[0], *const b = corner[area > 0 ? 1 : 2], *const c = corner[area > 0 ? 2 : 1];
-    const lanes columns = above(all(x1 - x0), ramp());
-    const int32_t x = 16 * x0 + 8, y = 16 * y0 + 8;
-    size_t at = (size_t)((y0 - to->row0) * to->stride + x0);
+    const lanes columns = above(all(box->x1 - x0), ramp());
+    int32_t y = box->y0;
+    size_t at = (size_t)((y - to->row0) * to->stride + x0);
     lanes edge[3], down[3];
     walk w;
     int i;
 
-    edge[0] = edge_at(a, b, x, y, &down[0]);
-    edge[1] = edge_at(b, c, x, y, &down[1]);
-    edge[2] = edge_at(c, a, x, y, &down[2]);
+    edge[0] = side_at(soft_side_of(a, b, x0, y), &down[0]);
+    edge[1] = side_at(soft_side_of(b, c, x0, y), &down[1]);
+    edge[2] = side_at(soft_side_of(c, a, x0, y), &down[2]);
     while (!any(inside_of(edge, columns))) { /* most slivers hit no sample at all */
-        if (++y0 == y1) return;
+        if (++y == box->y1) return;
         at += (size_t)to->stride;
         for (i = 0; i < 3; i++) edge[i] = plus(edge[i], down[i]);
     }
-    set_small_walk(&w, corner, area, x0 - (corner[0]->x >> 4), y0 - (corner[0]->y >> 4));
-    for (; y0 < y1; y0++, at += (size_t)to->stride) {
+    set_small_walk(&w, corner, area, x0 - (a->x >> 4), y - (a->y >> 4));
+    for (; y < box->y1; y++, at += (size_t)to->stride) {
         fill_lanes(w.line, to, at, inside_of(edge, columns), item);
         for (i = 0; i < 3; i++) edge[i] = plus(edge[i], down[i]);
         for (i = 0; i < SOFT_PLANES; i++) w.line[i] = plus(w.line[i], w.down[i]);
@@ -502,24 +488,15 @@ static inline void fill_small(const soft_vertex *const corner[3], int64_t area, 
 
 static void draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item)
 {
-    const soft_vertex *const a = corner[0], *const b = corner[1], *const c = corner[2];
-    const int64_t area = soft_area(a, b, c);
-    int32_t left, right, top, bottom, x0, x1, y0, y1;
+    const int64_t area = soft_area(corner[0], corner[1], corner[2]);
+    soft_box box;
+    int32_t x;
 
-    if (soft_culled(area, cull)) return;
-    left = least_of(least_of(a->x, b->x), c->x);
-    right = most_of(most_of(a->x, b->x), c->x);
-    top = least_of(least_of(a->y, b->y), c->y);
-    bottom = most_of(most_of(a->y, b->y), c->y);
-    x0 = most_of(soft_line_of(left), to->x0);
-    x1 = least_of(soft_line_of(right), to->x1);
-    y0 = most_of(soft_line_of(top), to->y0);
-    y1 = least_of(soft_line_of(bottom), to->y1);
-    if (x0 >= x1 || y0 >= y1) return;
-    if (x1 - x0 > 8 || right - left >= 2048 || bottom - top >= 2048)
+    if (soft_culled(area, cull) || !soft_box_of(&box, corner, to)) return;
+    if (box.x1 - box.x0 > 8 || box.size >= SOFT_SMALL)
         fill(corner, cull, to, item);
     else
-        for (; x0 < x1; x0 += LANES) fill_small(corner, area, x0, least_of(x1, x0 + LANES), y0, y1, to, item);
+        for (x = box.x0; x < box.x1; x += LANES) fill_small(corner, area, &box, x, to, item);
 }
 
 #define KERNELS                                                                                                        \

@@ -106,6 +106,54 @@ static inline void soft_step_edge(soft_edge *e)
     }
 }
 
+#define SOFT_SMALL 2048 /* triangles below it in width and height: products of their edges have 24 bits */
+
+typedef struct soft_box {
+    int32_t x0, x1, y0, y1; /* columns and rows with samples */
+    int32_t size;           /* of the corners' larger extent, 28.4 */
+} soft_box;
+
+static inline int32_t soft_least(int32_t a, int32_t b)
+{
+    return a < b ? a : b;
+}
+
+static inline int32_t soft_most(int32_t a, int32_t b)
+{
+    return a > b ? a : b;
+}
+
+/* What of `to` a triangle may touch. 0: nothing. */
+static inline int soft_box_of(soft_box *out, const soft_vertex *const corner[3], const soft_pixels *to)
+{
+    const soft_vertex *const a = corner[0], *const b = corner[1], *const c = corner[2];
+    const int32_t left = soft_least(soft_least(a->x, b->x), c->x), right = soft_most(soft_most(a->x, b->x), c->x);
+    const int32_t top = soft_least(soft_least(a->y, b->y), c->y), bottom = soft_most(soft_most(a->y, b->y), c->y);
+
+    out->x0 = soft_most(soft_line_of(left), to->x0);
+    out->x1 = soft_least(soft_line_of(right), to->x1);
+    out->y0 = soft_most(soft_line_of(top), to->y0);
+    out->y1 = soft_least(soft_line_of(bottom), to->y1);
+    out->size = soft_most(right - left, bottom - top);
+    return out->x0 < out->x1 && out->y0 < out->y1;
+}
+
+typedef struct soft_side { /* 0 and up at samples inside an edge, or on it if that is a left or top one */
+    int32_t at, right, down;
+} soft_side;
+
+/* From p to q, the inside on the right, of a triangle below SOFT_SMALL: at the sample of column x and row y. */
+static inline soft_side soft_side_of(const soft_vertex *p, const soft_vertex *q, int32_t x, int32_t y)
+{
+    const int32_t dx = q->x - p->x, dy = q->y - p->y;
+    soft_side s;
+
+    s.at = dx * (16 * y + 8 - p->y) - dy * (16 * x + 8 - p->x) - !(dy < 0 || (!dy && dx > 0));
+    s.right = -16 * dy;
+    s.down = 16 * dx;
+    return s;
+}
+
 /* Planes begin at the first corner's pixel, whatever part is drawn: no band changes a bit. */
 static inline void soft_set_planes(soft_plane plane[SOFT_PLANES], const soft_vertex *const corner[3], int64_t area)
 {
