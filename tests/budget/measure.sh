@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # measure.sh BUILD ARM_CC LIB: bytes of text, data and bss of every room, and its deepest single stack frame, for
-# Cortex-M4 (-Os) and x86-64 (the release objects, -O2), to BUILD/sizes.csv and standard output. Also leaves Cortex-M0
-# objects in BUILD/m0 for the symbol check.
+# Cortex-M4 (-Os) and x86-64 (the release objects, -O2), to BUILD/sizes.csv and standard output; and the same of linked
+# firmware (tests/budget/firmware.c) that leaves parts out, with the deepest chain of calls. Also leaves Cortex-M0 objects in
+# BUILD/m0 for the symbol check.
 set -eu
 build=$1
 arm=$2
@@ -37,6 +38,27 @@ deepest() { # DIR: largest stack frame in its .su files
     cat "$1"/*.su 2>/dev/null | awk -F'\t' '$2 > m { m = $2 } END { print m + 0 }'
 }
 
+firmware() { # NAME FLAGS: code and constant tables of nacre alone: no libc, no libgcc, not main
+    fw=$build/firmware/$1 name=$1
+    shift
+    rm -rf "$fw" && mkdir -p "$fw"
+    for c in tests/budget/firmware.c src/fx/*.c src/asset/*.c src/shade/*.c src/soft/*.c; do
+        # shellcheck disable=SC2046
+        $arm -mcpu=cortex-m4 -mthumb -Os -std=c99 -DNDEBUG "$@" -ffunction-sections -fdata-sections -fstack-usage $(includes soft) \
+            -c -o "$fw/$(basename "$c" .c).o" "$c"
+    done
+    $arm -mcpu=cortex-m4 -mthumb -nostartfiles -Wl,--gc-sections,--entry=main,--unresolved-symbols=ignore-all \
+        -Wl,--no-warn-mismatch -o "$fw/firmware.elf" "$fw"/*.o 2>/dev/null
+    "${arm%gcc}objdump" -t "$fw/firmware.elf" >"$fw/symbols.txt"
+    "${arm%gcc}objdump" -d --no-show-raw-insn "$fw/firmware.elf" >"$fw/code.txt"
+    awk -v kernels="soft_draw shade_normalise shade_table_add shade_table_code shade_encode soft_lit" \
+        -f tests/budget/stack.awk "$fw"/*.su "$fw/symbols.txt" "$fw/code.txt" >"$fw/stack.txt"
+    others=$("${arm%gcc}nm" -S --radix=d "$fw/firmware.elf" |
+        awk 'NF == 4 && $4 ~ /^(main|mem.*|_.*)$/ { sum += $2 } END { print sum + 0 }')
+    "$size" "$fw/firmware.elf" | awk -v n="$name" -v o="$others" -v s="$(cut -d' ' -f1 "$fw/stack.txt")" \
+        'NR > 1 { printf "cortex-m4,%s,%d,%d,%d,%d\n", n, $1 - o, $2, $3, s }' >>"$out.new"
+}
+
 row() { # TARGET ROOM SIZE_TOOL STACK OBJECTS...
     target=$1 room=$2 tool=$3 stack=$4
     shift 4
@@ -52,6 +74,16 @@ compile m0 cortex-m0
 for room in $rooms; do
     row cortex-m4 "$room" "$size" "$(deepest "$build/m4/$room")" "$build/m4/$room"/*.o
 done
+lit="-DNACRE_NO_TABLES -DNACRE_NO_SPHERES -DNACRE_NO_MAPS -DNACRE_NO_NEAR -DNACRE_NO_GLES"
+table="-DFIRMWARE_TABLE -DNACRE_NO_FINE -DNACRE_NO_SPHERES -DNACRE_NO_MAPS -DNACRE_NO_NEAR -DNACRE_NO_GLES"
+models="-DFIRMWARE_TABLE -DNACRE_NO_FINE -DNACRE_NO_NEAR -DNACRE_NO_GLES"
+# shellcheck disable=SC2086
+{
+    firmware lit-firmware $lit
+    firmware table-firmware $table
+    firmware models-firmware $models
+    firmware whole-firmware -DFIRMWARE_TABLE -DNACRE_NO_GLES
+}
 objects=$(dirname "$lib")
 for room in $rooms; do
     row x86-64 "$room" size - "$objects/src/$room"/*.o
