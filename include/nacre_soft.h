@@ -26,9 +26,9 @@
  *   NACRE_NO_MAPS     normal maps, masks and blending; implies NACRE_NO_SBRDF
  *   NACRE_NO_NEAR     directions per pixel: point lights, near viewers, paper-mode spheres
  *   NACRE_NO_GLES     what nacre_gles.h needs of the set-up; don't link both
- * Cortex-M4, gcc -Os, code and constant tables without libc and libgcc: everything but GLES 39 KB; tables of one layer and
- * lit spheres made of them 20 KB; lit spheres from flash alone (no tables, no spheres, no maps) 11 KB. Stack: 1.4, 1.2 and
- * 1.2 KB.
+ * Cortex-M4, gcc -Os, code and constant tables without libc and libgcc: everything but GLES 45 KB; tables of one layer and
+ * lit spheres made of them 23 KB; lit spheres from flash alone (no tables, no spheres, no maps) 12 KB. Stack: 1.4, 1.2 and
+ * 1.1 KB.
  */
 #ifndef NACRE_SOFT_H
 #define NACRE_SOFT_H

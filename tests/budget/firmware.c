@@ -2,21 +2,21 @@
 /*
  * The least firmware that draws: what measure.sh links to see what a feature costs. Nothing runs it.
  *
- * FIRMWARE_LIT: one mesh by a lit sphere that lies in flash. FIRMWARE_TABLE: and by a table, which the lit sphere is made of
- * too. Everything else that the build has not left out (NACRE_NO_...) comes with the material.
+ * Items are drawn by their materials, those that the build has not left out (NACRE_NO_...), or by a lit sphere.
+ * FIRMWARE_TABLE: files are opened, and lit spheres made.
  */
 #include "nacre_soft.h"
 
-extern const nacre_soft_desc desc;
-extern const nacre_mesh mesh;
-extern const nacre_view view;
-extern const nacre_soft_item item;
-extern nacre_soft_lit_desc lit;
-extern nacre_image image;
-extern uint32_t block[], scratch[], pixels[], texels[];
-extern uint32_t block_size, scratch_size, file_size;
-extern const uint8_t file[];
-nacre_soft_ready send_band;
+/* The application's: where they are does not matter. */
+extern const nacre_soft_desc app_desc;
+extern const nacre_view app_view;
+extern const nacre_soft_item app_item;
+extern const nacre_soft_lit_desc app_lit;
+extern nacre_image app_image;
+extern uint32_t app_block[], app_scratch[], app_pixels[], app_texels[];
+extern const uint32_t app_block_size, app_scratch_size, app_file_size;
+extern const uint8_t app_file[];
+nacre_soft_ready app_send_band;
 
 int main(void)
 {
@@ -24,10 +24,10 @@ int main(void)
     int r = 0;
 
 #ifdef FIRMWARE_TABLE
-    r |= nacre_image_open(&image, file, file_size);
-    r |= nacre_soft_lit_rows(&lit, texels, 0, 64, scratch, scratch_size);
+    r |= nacre_image_open(&app_image, app_file, app_file_size);
+    r |= nacre_soft_lit_rows(&app_lit, app_texels, 0, 64, app_scratch, app_scratch_size);
 #endif
-    r |= nacre_soft_init(&soft, block, block_size, &desc);
-    r |= nacre_soft_prepare(soft, &item, 1, &view);
-    return r | nacre_soft_bands(soft, scratch, scratch_size, pixels, NULL, 640, send_band, NULL);
+    r |= nacre_soft_init(&soft, app_block, app_block_size, &app_desc);
+    r |= nacre_soft_prepare(soft, &app_item, 1, &app_view);
+    return r | nacre_soft_bands(soft, app_scratch, app_scratch_size, app_pixels, NULL, 640, app_send_band, NULL);
 }

@@ -45,10 +45,11 @@ firmware() { # NAME FLAGS: code and constant tables of nacre alone: no libc, no 
     for c in tests/budget/firmware.c src/fx/*.c src/asset/*.c src/shade/*.c src/soft/*.c; do
         # shellcheck disable=SC2046
         $arm -mcpu=cortex-m4 -mthumb -Os -std=c99 -DNDEBUG "$@" -ffunction-sections -fdata-sections -fstack-usage $(includes soft) \
-            -c -o "$fw/$(basename "$c" .c).o" "$c"
+            -c -o "$fw/$(echo "${c%.c}" | tr / -).o" "$c"
     done
-    $arm -mcpu=cortex-m4 -mthumb -nostartfiles -Wl,--gc-sections,--entry=main,--unresolved-symbols=ignore-all \
-        -Wl,--no-warn-mismatch -o "$fw/firmware.elf" "$fw"/*.o 2>/dev/null
+    # shellcheck disable=SC2046
+    $arm -mcpu=cortex-m4 -mthumb -nostartfiles -Wl,--gc-sections,--entry=main $(printf -- '-Wl,--defsym=app_%s=0 ' $application) \
+        -o "$fw/firmware.elf" "$fw"/*.o
     "${arm%gcc}objdump" -t "$fw/firmware.elf" >"$fw/symbols.txt"
     "${arm%gcc}objdump" -d --no-show-raw-insn "$fw/firmware.elf" >"$fw/code.txt"
     awk -v kernels="soft_draw shade_normalise shade_table_add shade_table_code shade_encode soft_lit" \
@@ -74,6 +75,7 @@ compile m0 cortex-m0
 for room in $rooms; do
     row cortex-m4 "$room" "$size" "$(deepest "$build/m4/$room")" "$build/m4/$room"/*.o
 done
+application="desc view item lit image block scratch pixels texels block_size scratch_size file_size file send_band"
 lit="-DNACRE_NO_TABLES -DNACRE_NO_SPHERES -DNACRE_NO_MAPS -DNACRE_NO_NEAR -DNACRE_NO_GLES"
 table="-DFIRMWARE_TABLE -DNACRE_NO_FINE -DNACRE_NO_SPHERES -DNACRE_NO_MAPS -DNACRE_NO_NEAR -DNACRE_NO_GLES"
 models="-DFIRMWARE_TABLE -DNACRE_NO_FINE -DNACRE_NO_NEAR -DNACRE_NO_GLES"
