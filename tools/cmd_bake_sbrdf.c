@@ -13,6 +13,7 @@
 #include "gltf_material.h"
 #include "mip.h"
 #include "models.h"
+#include "normal_file.h"
 #include "png_io.h"
 #include "sbrdf_field.h"
 #include "sbrdf_maps.h"
@@ -27,7 +28,7 @@ typedef struct request {
     option_texts lobe; /* as given: ALBEDO,SHAPE[,EXPONENT] */
     double range;
     int lobes, anisotropic, strict, no_mips;
-    char albedo_path[1024], lobes_path[1024];
+    char albedo_path[1024], lobes_path[1024], normal_path[1024];
     char *split; /* the texts of lobe, cut at commas */
 } request;
 
@@ -104,6 +105,7 @@ static int parse(request *r, int argc, char **argv, failure *f)
     if (r->range != 1 && r->range != 2) return fail(f, FAIL_USAGE, "--range %g: expected 1 or 2", r->range);
     if ((code = bake_pair_path(&r->common, "albedo", r->albedo_path, sizeof r->albedo_path, f))) return code;
     if ((code = bake_pair_path(&r->common, "lobes", r->lobes_path, sizeof r->lobes_path, f))) return code;
+    if ((code = bake_pair_path(&r->common, "normal", r->normal_path, sizeof r->normal_path, f))) return code;
     return r->source ? FAIL_NONE : check_maps(r, f);
 }
 
@@ -136,11 +138,8 @@ typedef struct origin {
 static int read_gltf(const request *r, sbrdf_field *field, sbrdf_sources *sources, progress *meter, origin *from,
                      failure *f)
 {
-    int code = gltf_material_read(field, r->source, r->material, r->lobes, sources, &from->gltf, meter, f);
     from->kind = FROM_GLTF;
-    if (code || !from->gltf.has_normal_map) return code;
-    return warn(r, f, "%s: the normal map%s%s is a material's own file: pass it as normal=FILE", r->source,
-                from->gltf.normal_map[0] ? " " : "", from->gltf.normal_map);
+    return gltf_material_read(field, r->source, r->material, r->lobes, sources, &from->gltf, meter, f);
 }
 
 static int read_stack(const request *r, sbrdf_field *field, sbrdf_sources *sources, progress *meter, origin *from,
@@ -269,6 +268,7 @@ static json figures_of(const request *r, const result *out)
     json_int(&j, "clamped_shapes", out->clamped.shapes);
     json_int(&j, "clamped_albedos", out->clamped.albedos);
     if (out->from.kind == FROM_GLTF) {
+        if (out->from.gltf.normal_map.texel) json_text(&j, "normal", r->normal_path);
         json_int(&j, "kinds", out->from.gltf.kinds);
         json_real(&j, "fit_error", out->from.gltf.mean_error);
         json_real(&j, "fit_error_worst", out->from.gltf.worst_error);
@@ -284,12 +284,27 @@ static json figures_of(const request *r, const result *out)
     return j;
 }
 
+/* A glTF material's normal map, beside the others. */
+static int write_normals(const request *r, const result *out, failure *f)
+{
+    bytes file = {0};
+    if (!out->from.gltf.normal_map.texel) return FAIL_NONE;
+    normal_file_write(&out->from.gltf.normal_map, out->from.gltf.normal_scale, r->no_mips, r->source, &file);
+    int code = output_write(r->normal_path, &file, f);
+    bytes_free(&file);
+    return code;
+}
+
 static int write_all(const request *r, const result *out, const sbrdf_sources *sources, failure *f)
 {
     bytes albedo = {0}, lobes = {0};
+    int code = write_normals(r, out, f);
+    if (code) return code;
     json figures = figures_of(r, out);
     sbrdf_map_write(&out->map, &albedo, &lobes);
-    return bake_write_pair(&r->common, sources, &figures, r->albedo_path, &albedo, r->lobes_path, &lobes, f);
+    code = bake_write_pair(&r->common, sources, &figures, r->albedo_path, &albedo, r->lobes_path, &lobes, f);
+    if (code && out->from.gltf.normal_map.texel) output_discard(r->normal_path);
+    return code;
 }
 
 static void print_result(const request *r, const result *out)
@@ -326,6 +341,8 @@ static void print_origin(const request *r, const result *out)
     if (out->from.kind == FROM_GLTF)
         printf("%s: relative error of f_r cos against GGX %.1f %%, worst %.1f %%, over %ld kinds of texels\n",
                r->source, 100 * gltf->mean_error, 100 * gltf->worst_error, gltf->kinds);
+    if (gltf->normal_map.texel)
+        printf("%s: normals of %d x %d\n", r->normal_path, gltf->normal_map.width, gltf->normal_map.height);
     if (out->from.kind == FROM_STACK)
         printf("%s: %d images, relative error %.2f %%, %.0f texels a second\n", r->source, stack->images,
                100 * stack->error, out->map.width * out->map.height / fmax(stack->seconds, 1e-9));
@@ -337,6 +354,7 @@ static int sources_apart(const request *r, const sbrdf_sources *sources, failure
     for (int i = 0; i < sources->count && !code; i++) {
         code = output_apart(r->albedo_path, sources->path[i], f);
         if (!code) code = output_apart(r->lobes_path, sources->path[i], f);
+        if (!code) code = output_apart(r->normal_path, sources->path[i], f);
     }
     return code;
 }
@@ -363,6 +381,7 @@ int bake_sbrdf(int argc, char **argv, failure *f)
     }
     sbrdf_field_free(&field);
     sbrdf_map_free(&out.map);
+    image_u8_free(&out.from.gltf.normal_map);
     sbrdf_sources_free(&sources);
     free(r.split);
     return code;

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "nacre_asset.h"
 #include "output.h"
 #include "pfm_io.h"
 #include "png_io.h"
@@ -229,6 +230,41 @@ static void gltf_materials_come_through(void **state)
     sbrdf_map_free(&m);
 }
 
+/* Its normals become a file of their own: x and y times the texture's scale, unit length again, in every level. */
+static void gltf_normals_come_through(void **state)
+{
+    (void)state;
+    static const char gltf[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"materials\":[{\"name\":\"bumpy\",\"normalTexture\":{\"index\":0,\"scale\":"
+        "0.5},"
+        "\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.7}}],\"textures\":[{\"source\":0}],"
+        "\"images\":[{\"uri\":\"bumps.png\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},"
+        "\"material\":0}]}],\"nodes\":[{\"mesh\":0}],\"scenes\":[{\"nodes\":[0]}],\"scene\":0,\"accessors\":[{"
+        "\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],\"buffers\":[{\"byteLength\":36,\"uri\":"
+        "\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}";
+    bytes file = {0};
+    failure f = {0};
+    nacre_image image;
+    double n[3] = {2 * 218 / 255.0 - 1, 2 * 60 / 255.0 - 1, 2 * 200 / 255.0 - 1};
+    write_png("bumps.png", 8, 4, 3, (int[]){218, 60, 200});
+    write_text("bumpy.gltf", gltf);
+    must_run("nacre bake sbrdf bumpy.gltf -o bumpy.ktx2 --quiet");
+    must_run("nacre info bumpy-normal.ktx2");
+    assert_int_equal(file_read(&file, shell_path("bumpy-normal.ktx2"), &f), 0);
+    assert_int_equal(nacre_image_open(&image, file.data, file.size), NACRE_OK);
+    assert_true(image.width == 8 && image.height == 4 && image.levels == 4 && image.format == NACRE_FORMAT_RGB8);
+    n[0] *= 0.5;
+    n[1] *= 0.5;
+    const double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (unsigned level = 0; level < 4; level++)
+        for (int c = 0; c < 3; c++)
+            check_value(nacre_image_texels(&image, level, 0, 0, NULL)[c] / 255.0, 0.5 + 0.5 * n[c] / length, 0.005);
+    bytes_free(&file);
+    must_run("nacre shot --mesh plane --size 16 --backend double --light 30,40 -o bumpy.png "
+             "--material albedo=bumpy-albedo.ktx2,lobes=bumpy-lobes.ktx2,normal=bumpy-normal.ktx2");
+}
+
 /* Seen by the reference renderer: a sheet of painted red is as bright as the BRDF by itself. */
 static void shots_draw_them(void **state)
 {
@@ -364,6 +400,7 @@ int main(void)
         cmocka_unit_test(paintings_come_through),
         cmocka_unit_test(masks_mix),
         cmocka_unit_test(gltf_materials_come_through),
+        cmocka_unit_test(gltf_normals_come_through),
         cmocka_unit_test(shots_draw_them),
         cmocka_unit_test(threads_do_not_change_bytes),
         cmocka_unit_test(power_tables_are_baked),

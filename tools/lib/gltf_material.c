@@ -23,7 +23,7 @@ enum { BASE, METAL_ROUGH, NORMAL, PICTURES, MOST_EMBEDDED = 64 << 20 };
 typedef struct reply {
     int code;
     char text[400];
-    float base[4], metal, rough;
+    float base[4], metal, rough, normal_scale;
     char file[PICTURES][512]; /* as the file has it; empty: none, or embedded */
     unsigned embedded[PICTURES];
 } reply;
@@ -54,9 +54,11 @@ static void read_factors(const struct aiMaterial *m, reply *r)
     r->base[1] = base.g;
     r->base[2] = base.b;
     r->base[3] = base.a;
-    r->metal = r->rough = 1;
+    r->metal = r->rough = r->normal_scale = 1;
     if (aiGetMaterialFloat(m, AI_MATKEY_METALLIC_FACTOR, &value) == aiReturn_SUCCESS) r->metal = value;
     if (aiGetMaterialFloat(m, AI_MATKEY_ROUGHNESS_FACTOR, &value) == aiReturn_SUCCESS) r->rough = value;
+    if (aiGetMaterialFloat(m, "$tex.scale", aiTextureType_NORMALS, 0, &value) == aiReturn_SUCCESS)
+        r->normal_scale = value;
 }
 
 static const char *wanted_material; /* handed to the loader's process, which is a copy of this one */
@@ -157,7 +159,7 @@ static int open_material(material *m, const char *path, const char *name, sbrdf_
     for (int k = 0; k < PICTURES && !code; k++)
         if (m->r.embedded[k]) code = open_embedded(m, k, fd, path, f);
     close(fd);
-    for (int k = 0; k < NORMAL && !code; k++)
+    for (int k = 0; k < PICTURES && !code; k++)
         if (m->r.file[k][0]) code = open_file(m, k, path, sources, f);
     return code;
 }
@@ -345,8 +347,9 @@ int gltf_material_read(sbrdf_field *out, const char *path, const char *name, int
     memset(report, 0, sizeof *report);
     if (!code) code = common_size(&m, path, &width, &height, f);
     if (!code) {
-        report->has_normal_map = m.r.file[NORMAL][0] || m.r.embedded[NORMAL];
-        snprintf(report->normal_map, sizeof report->normal_map, "%.255s", m.r.file[NORMAL]);
+        report->normal_map = m.picture[NORMAL];
+        report->normal_scale = m.r.normal_scale;
+        m.picture[NORMAL] = (image_u8){0};
         *out = sbrdf_field_make(width, height, lobes, 0);
         fit_all(&m, lobes, out, report, meter);
     }
