@@ -5,6 +5,7 @@
  *
  *   nacre-demo [DIRECTORY [egl2|egl3|osmesa|double]]       (out, the first of the three that this machine has)
  */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,7 @@
 #include <unistd.h>
 
 #include "light_bake.h"
+#include "palette.h"
 #include "png_io.h"
 #include "sbrdf_demo.h"
 #include "sbrdf_paint.h"
@@ -521,47 +523,148 @@ static void open_painting(const studio *st, scene_material *m, const char *name)
     need(scene_material_open(m, text, st->backend == BACKEND_DOUBLE, &f), &f);
 }
 
-static void sbrdf_figures(studio *st)
+/* nacre bake palette PAINTING.txt --blend -o NAME.ktx2, opened. */
+static void open_palette(const studio *st, scene_material *m, const char *name)
+{
+    static const char *const parts[] = {"palette", "index"};
+    sbrdf_sources sources = {0};
+    bytes file[2] = {{0}};
+    palette p;
+    char path[1000], text[2200] = "";
+    failure f = {0};
+    int i;
+
+    snprintf(path, sizeof path, "%s/assets/%s.txt", st->directory, name);
+    need(palette_bake(&p, path, &(palette_options){.blend = 1, .no_mips = 1}, &sources, &f), &f);
+    sbrdf_sources_free(&sources);
+    palette_write(&p, &file[0], &file[1]);
+    palette_free(&p);
+    for (i = 0; i < 2; i++) {
+        size_t used = strlen(text);
+        snprintf(path, sizeof path, "%s/assets/%s-%s.ktx2", st->directory, name, parts[i]);
+        write_asset(path, &file[i]);
+        snprintf(text + used, sizeof text - used, "%s%s=%s", i ? "," : "", parts[i], path);
+    }
+    need(scene_material_open(m, text, st->backend == BACKEND_DOUBLE, &f), &f);
+}
+
+/* Turn a mesh that faces +z about that axis. */
+static void turn_mesh(mesh *m, double degrees)
+{
+    const float c = (float)cos(degrees * PI / 180), s = (float)sin(degrees * PI / 180);
+    int i;
+
+    for (i = 0; i < m->vertex_count; i++) {
+        float *const vectors[] = {m->position[i], m->normal[i], m->tangent[i]};
+        size_t k;
+        for (k = 0; k < COUNT(vectors); k++) {
+            const float x = vectors[k][0], y = vectors[k][1];
+            vectors[k][0] = c * x - s * y;
+            vectors[k][1] = s * x + c * y;
+        }
+    }
+}
+
+/* A sheet of the material lies flat and is turned under one low light that comes towards the eye. */
+static void turned_figure(studio *st)
+{
+    static const char *const names[] = {"upholstery", "brushed-metal"};
+    static const char *const labels[] = {"upholstery:\ntwo lobes", "brushed metal:\nthree lobes"};
+    static const int turned[] = {0, 30, 60, 90};
+    const sheet_layout layout = {.title = "Anisotropic lobes: one sheet, turned under a light that stays",
+                                 .columns = COUNT(turned),
+                                 .rows = COUNT(names),
+                                 .cell_width = 320,
+                                 .cell_height = 240,
+                                 .row_label_width = 170,
+                                 .has_heads = 1};
+    const scene_camera camera = {.pitch_deg = -42};
+    sheet sh = sheet_begin(&layout);
+    failure f = {0};
+    int row, i;
+
+    studio_size(st, layout.cell_width, layout.cell_height);
+    for (row = 0; row < COUNT(names); row++) {
+        scene_material m;
+        open_painting(st, &m, names[row]);
+        for (i = 0; i < COUNT(turned); i++) {
+            static const double power[3] = {3.4, 3.3, 3.1}, fill[3] = {0.5, 0.55, 0.65};
+            mesh plane;
+            scene s;
+            need(mesh_open(&plane, "plane", &f), &f);
+            turn_mesh(&plane, turned[i]);
+            s = empty_scene(st, &plane, &camera, row ? 0.9 : 1.4);
+            scene_add_light(&s, 76, 90, power);
+            scene_add_light(&s, 40, 200, fill);
+            place(&sh, i, row, draw(st, &s, &m));
+            mesh_free(&plane);
+        }
+        scene_material_close(&m);
+        sheet_row_label(&sh, row, labels[row]);
+    }
+    for (i = 0; i < COUNT(turned); i++) {
+        char head[40];
+        snprintf(head, sizeof head, turned[i] ? "turned by %d degrees" : "threads and strokes across", turned[i]);
+        sheet_head(&sh, i, head);
+    }
+    save(st, &sh, "paper000-figure5-turned.png");
+}
+
+/* One column of figure 5. */
+static void sbrdf_column(studio *st, sheet *sh, int column, const char *head, const scene_material *m)
 {
     static const char *const shapes[] = {"sphere", "sphere", "torus"};
+    failure f = {0};
+    int row;
+
+    for (row = 0; row < COUNT(shapes); row++) {
+        const scene_camera camera = {.yaw_deg = row == 1 ? 30 : 0, .pitch_deg = row == 2 ? 35 : 12};
+        mesh shape;
+        scene s;
+        need(mesh_open(&shape, shapes[row], &f), &f);
+        s = empty_scene(st, &shape, &camera, 1.4);
+        if (row < 2)
+            key_light(&s);
+        else
+            four_lights(&s);
+        place(sh, column, row, draw(st, &s, m));
+        mesh_free(&shape);
+    }
+    sheet_head(sh, column, head);
+}
+
+static void sbrdf_figures(studio *st)
+{
     static const char *const labels[] = {"sphere", "turned by\n30 degrees", "torus,\nfour lights"};
     const sheet_layout layout = {.title = "Materials that vary over the surface: Lafortune lobes per texel, 8-bit maps",
-                                 .columns = SBRDF_DEMO_COUNT,
-                                 .rows = COUNT(shapes),
+                                 .columns = SBRDF_DEMO_COUNT + 1,
+                                 .rows = COUNT(labels),
                                  .cell_width = 224,
                                  .cell_height = 224,
                                  .row_label_width = 150,
                                  .has_heads = 1};
     sheet sh = sheet_begin(&layout);
-    failure f = {0};
-    int i, row;
+    scene_material m;
+    int i, row, column = 0;
 
-    studio_size(st, layout.cell_width, layout.cell_height);
     for (i = 0; i < SBRDF_DEMO_COUNT; i++) {
         const char *const name = sbrdf_demo_name(i);
         sbrdf_map map = bake_painting(st, i);
-        scene_material m;
-        if (!strcmp(name, "composite")) sbrdf_figure_1(st, &map);
+        const int composite = !strcmp(name, "composite");
+        if (composite) sbrdf_figure_1(st, &map);
         sbrdf_map_free(&map);
+        studio_size(st, layout.cell_width, layout.cell_height);
         open_painting(st, &m, name);
-        for (row = 0; row < COUNT(shapes); row++) {
-            const scene_camera camera = {.yaw_deg = row == 1 ? 30 : 0, .pitch_deg = row == 2 ? 35 : 12};
-            mesh shape;
-            scene s;
-            need(mesh_open(&shape, shapes[row], &f), &f);
-            s = empty_scene(st, &shape, &camera, 1.4);
-            if (row < 2)
-                key_light(&s);
-            else
-                four_lights(&s);
-            place(&sh, i, row, draw(st, &s, &m));
-            mesh_free(&shape);
-        }
-        sheet_head(&sh, i, name);
+        sbrdf_column(st, &sh, column++, name, &m);
+        scene_material_close(&m);
+        if (!composite) continue;
+        open_palette(st, &m, name);
+        sbrdf_column(st, &sh, column++, "the same: palette", &m);
         scene_material_close(&m);
     }
     for (row = 0; row < COUNT(labels); row++) sheet_row_label(&sh, row, labels[row]);
     save(st, &sh, "paper000-figure5.png");
+    turned_figure(st);
 }
 
 /* ---- the program ------------------------------------------------------------------------------------------------- */

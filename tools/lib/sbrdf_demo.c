@@ -268,12 +268,20 @@ static void weave(double x, double y, double *out)
     for (int c = 0; c < 3; c++) out[c] = shade;
 }
 
-/* Brush strokes turn around four centres, and stray a little. */
+/* Straight brush strokes, and discs that were turned on a lathe. The nearest disc's radius, and the place from its middle. */
+enum { DISCS = 2 };
+static const double disc_radius = 0.17;
+static double from_disc(double x, double y, double *a, double *b)
+{
+    *a = nearest(DISCS * x - 0.5) / DISCS;
+    *b = nearest(DISCS * y - 0.5) / DISCS;
+    return hypot(*a, *b);
+}
+
 static void strokes(double x, double y, double *out)
 {
-    double a = nearest(2 * x), b = nearest(2 * y), turn = atan2(b, a) + PI / 2;
-    double r = hypot(a, b);
-    turn += 0.25 * (noise(r, turn / (2 * PI), 40, 3, 4) - 0.5);
+    double a, b, r = from_disc(x, y, &a, &b), turn = 0.06 * (noise(x, y, 4, 96, 4) - 0.5);
+    if (r < disc_radius) turn = atan2(b, a) + PI / 2;
     out[0] = (128 + 127 * cos(turn)) / 255;
     out[1] = (128 - 127 * sin(turn)) / 255; /* pictures run down, textures up */
     out[2] = 0;
@@ -281,9 +289,10 @@ static void strokes(double x, double y, double *out)
 
 static void scratches(double x, double y, double *out)
 {
-    double r = hypot(nearest(2 * x), nearest(2 * y));
-    for (int c = 0; c < 3; c++)
-        out[c] = 0.85 + 0.15 * noise(r, atan2(nearest(2 * y), nearest(2 * x)) / (2 * PI), 96, 2, 6);
+    double a, b, r = from_disc(x, y, &a, &b), shade = 0.72 + 0.28 * noise(x, y, 5, 128, 6);
+    if (r < disc_radius) shade = 0.72 + 0.28 * noise(r, atan2(b, a) / (2 * PI), 192, 3, 7);
+    shade *= edge(fabs(r - disc_radius) - 0.004, 0.006); /* a groove around */
+    for (int c = 0; c < 3; c++) out[c] = shade;
 }
 
 /* ---- the six --------------------------------------------------------------------------------------------- */
@@ -344,17 +353,20 @@ static const demo demos[SBRDF_DEMO_COUNT] = {
     {"upholstery",
      "size 256 256\n"
      "lobes 2\n"
-     "# silk: forward scattering along the thread, backward across it\n"
-     "material silk lafortune:kd=.24/.19/.09,cx=-1,cy=.9,cz=.75,n=5,ks=.7/.58/.33,cx=-.7,cy=-.7,cz=.8,n=1.2,ks=.05\n"
-     "material cotton lafortune:kd=.10/.15/.28,cx=-.8,cy=.6,cz=.9,n=2,ks=.03,cx=-.6,cy=-.6,cz=.6,n=1,ks=.03\n"
-     "fill cotton tint=upholstery-threads.png\n"
-     "paint silk upholstery-silk.png tint=upholstery-threads.png shine=upholstery-threads.png turn=0\n",
+     "# threads mirror along themselves and not across: a sharp lobe and a broad one\n"
+     "material silk lafortune:kd=.13/.09/.03,cx=-1,cy=.94,cz=.97,n=26,ks=.62/.50/.24,"
+     "cx=-.8,cy=.5,cz=.85,n=3,ks=.16/.12/.05\n"
+     "material cotton lafortune:kd=.03/.06/.14,cx=-1,cy=.94,cz=.97,n=16,ks=.16/.22/.36,"
+     "cx=-.8,cy=.5,cz=.85,n=2,ks=.03/.05/.09\n"
+     "fill cotton tint=upholstery-threads.png shine=upholstery-threads.png turn=90\n"
+     "paint silk upholstery-silk.png tint=upholstery-threads.png shine=upholstery-threads.png\n",
      {{"upholstery-threads", 3, threads}, {"upholstery-silk", 1, silk}}},
     {"brushed-metal",
      "size 256 256\n"
      "lobes 3\n"
-     "material metal lafortune:kd=.10/.097/.092,cx=-1,cy=-.1,cz=.93,n=18,ks=1.5/1.46/1.4,"
-     "cx=-1,cy=-.45,cz=.96,n=56,ks=1.7/1.66/1.6,cx=-1,cy=-.8,cz=.985,n=184,ks=2.4/2.35/2.25\n"
+     "# broad, narrow and fine strokes: each mirrors along itself\n"
+     "material metal lafortune:kd=.05/.052/.056,cx=-1,cy=.55,cz=.97,n=18,ks=1/1.01/1.03,"
+     "cx=-1,cy=.9,cz=.99,n=56,ks=1/1.02/1.05,cx=-1,cy=.98,cz=.998,n=184,ks=1.4/1.42/1.45\n"
      "material cloth sgd:white-fabric\n"
      "fill metal direction=brushed-metal-strokes.png shine=brushed-metal-scratches.png\n"
      "paint cloth brushed-metal-letters.png tint=brushed-metal-weave.png\n",
