@@ -112,7 +112,7 @@ typedef enum nacre_model {
     NACRE_MODEL_TABLE,   /* half-vector table: one image, one fetch per light (fine tier: two) */
     NACRE_MODEL_SPHERES, /* sphere images per light polar angle (Mihalik & Durikovic 2015) */
     NACRE_MODEL_SBRDF,   /* albedo and lobes: 1 to 3 Lafortune lobes per texel (McAllister et al. 2002) */
-    NACRE_MODEL_PALETTE  /* index and palette: every texel one of up to 256 half-vector tables */
+    NACRE_MODEL_PALETTE  /* index and palette: every texel one of up to 256 half-vector tables (GLES alone) */
 } nacre_model;
 
 /* What an image is for. A material names its images by role; a model uses those it knows. */

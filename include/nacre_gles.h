@@ -53,7 +53,7 @@ nacre_result nacre_gles_init(nacre_gles **out, void *block, size_t size, const n
 #define NACRE_GLES_POSITION        0 /* vec3 */
 #define NACRE_GLES_NORMAL          1 /* vec3, need not be unit length */
 #define NACRE_GLES_TANGENT         2 /* vec4, w = handedness; only read with a normal map and by SBRDF */
-#define NACRE_GLES_UV              3 /* vec2; only read with maps: normal, mask, albedo and lobes */
+#define NACRE_GLES_UV              3 /* vec2; only read with maps: normal, mask, albedo and lobes, index */
 #define NACRE_GLES_ATTRIBUTE_COUNT 4
 
 typedef struct nacre_gles_attribute {
@@ -107,7 +107,7 @@ nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const na
    and cull are the caller's; where there are no vertex arrays, instance divisors of arrays 0..3 must be 0. Alpha is
    written as 1; SBRDF: as the opacity of the texel, for the caller's blending.
    Lights that one program can't hold on this device (uniform vectors, texture units; GLSL ES 1.00 programs
-   hold 4 lights of SBRDF and, with directions per pixel, 4 of a table, 2 of spheres, 1 of spheres with the cosine in the
+   hold 4 lights of SBRDF and of a blended palette (2 with directions per pixel) and, with directions per pixel, 4 of a table, 2 of spheres, 1 of spheres with the cosine in the
    image) are drawn in passes
    through render targets of nacre's own, as large as the viewport (18 bytes a pixel, counted in texture_budget, kept
    until the viewport changes). They hold linear sums at 16 bits a channel, up to 1 (NACRE_OUTPUT_LINEAR: 16), for the
@@ -148,7 +148,7 @@ typedef struct nacre_gles_lit_desc {
 
 /* Make a lit sphere of a material (TABLE or SPHERES; its normal map and mask are ignored). It takes one of max_items, and
    its texture counts in texture_budget. desc may be NULL. Results as for nacre_gles_add;
-   NACRE_ERR_UNSUPPORTED also: SBRDF, which is no one material. */
+   NACRE_ERR_UNSUPPORTED also: SBRDF and PALETTE, which are no one material. */
 nacre_result nacre_gles_lit_add(nacre_gles *gles, const nacre_material *material, const nacre_gles_lit_desc *desc,
                                 nacre_gles_lit *out);
 /* Unknown ones are ignored; items that use it are shaded directly. */

@@ -87,7 +87,7 @@ typedef struct nacre_soft_lit {
 typedef struct nacre_soft_lit_desc {
     const nacre_material
         *material;          /* TABLE, or SPHERES without the cosine; texels RGB8 or RGBA8. Its normal map and mask
-                                       are ignored. SBRDF varies over the surface: there is no sphere of it */
+                                       are ignored. SBRDF and PALETTE vary over the surface: no sphere of them */
     const nacre_view *view; /* lights (all directional, up to NACRE_MAX_LIT_LIGHTS: `nacre bake lights` makes them of an
                                environment), exposure, ambient, tint, output; camera and object_to_view for the
                                direction to the eye */

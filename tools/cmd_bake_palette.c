@@ -94,7 +94,7 @@ static void print_result(const request *r, const palette *p)
            p->levels == 1 ? "" : "s", palette_texel_bytes(p));
     for (int i = 0; i < PALETTE_WAYS && r->preview; i++)
         if (r->score[i].pooled_db > 0)
-            printf("%s: %s%s: %.1f dB, edges between materials and all %.1f dB, worst light %.1f dB\n", r->preview,
+            printf("%s: %s%s: %.1f dB, with the edges between materials %.1f dB, worst light %.1f dB\n", r->preview,
                    i < 2 ? "palette, " : "Lafortune, ", palette_way_names[i], r->score[i].inside_db,
                    r->score[i].pooled_db, r->score[i].worst_db);
 }
