@@ -189,8 +189,9 @@
 
    "index": R8, one layer, any levels: the table's number, below the palette's count in every texel of every level. Smaller
    levels hold the table that comes nearest to the mean of what they cover, no means of numbers. */
-#define NACRE_KEY_TILES   "nacre.tiles" /* palette: 4 u32: count 1..256, columns 1, 2, 4, 8 or 16, w and h, 4..128 */
-#define NACRE_KEY_BLEND   "nacre.blend" /* index: u32, 1 = a place between four texels draws the bilinear mean of their y */
+#define NACRE_KEY_TILES "nacre.tiles" /* palette: 4 u32: count 1..256, columns 1, 2, 4, 8 or 16, w and h, 4..128 */
+#define NACRE_KEY_BLEND                                                                                                \
+    "nacre.blend" /* index: u32, 1 = a place between four texels draws the bilinear mean of their y */
 #define NACRE_MAX_PALETTE 256
 
 #endif
