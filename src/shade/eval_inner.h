@@ -167,11 +167,8 @@ EVAL_INLINE int32_t eval_square_of(const eval_surface *n)
 
 EVAL_INLINE eval_surface eval_surface_of(uint32_t xy, int32_t z)
 {
-    eval_surface n;
+    eval_surface n = {eval_x(xy), eval_y(xy), z, 0};
 
-    n.x = eval_x(xy);
-    n.y = eval_y(xy);
-    n.z = z;
     n.square = eval_square_of(&n);
     return n;
 }

@@ -125,12 +125,13 @@ static void turn(surface *s, int32_t x, int32_t y)
 static void set_surface(surface *out, const shade_sbrdf_eval *eval, shade_sbrdf_codes codes,
                         const shade_sbrdf_point *point)
 {
+    int32_t *const along = out->axis[0], *const normal = out->axis[2];
     int32_t eye[3];
     int i, j;
 
-    unit(point->normal, out->axis[2]);
-    set_tangent(out->axis[2], point->tangent, out->axis[0]);
-    cross(out->axis[1], out->axis[2], out->axis[0]);
+    unit(point->normal, normal);
+    set_tangent(normal, point->tangent, along);
+    cross(out->axis[1], normal, along);
     if (eval->direction) turn(out, codes[1][3] - ZERO, point->mirrored ? ZERO - codes[3][3] : codes[3][3] - ZERO);
     unit(point->to_eye, eye);
     for (i = 0; i < 3; i++) {
@@ -216,7 +217,7 @@ static void add_light(const shade_sbrdf_eval *eval, const shade_sbrdf_eval_light
 void shade_sbrdf_shade(const shade_sbrdf_eval *eval, const shade_sbrdf_eval_light *lights, int count,
                        shade_sbrdf_codes codes, const shade_sbrdf_point *point, uint32_t radiance_q16[3])
 {
-    surface s;
+    surface s = {{{0}}, {{0}}};
     int i;
 
     set_surface(&s, eval, codes, point);

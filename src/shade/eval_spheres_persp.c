@@ -99,11 +99,9 @@ static eval_surface between(const eval_surface *l, const eval_surface *v, const 
 
 static eval_surface cross(const eval_surface *a, const eval_surface *b)
 {
-    eval_surface out;
+    const eval_surface out = {(a->y * b->z - a->z * b->y) >> 14, (a->z * b->x - a->x * b->z) >> 14,
+                              (a->x * b->y - a->y * b->x) >> 14, 1 << 28};
 
-    out.x = (a->y * b->z - a->z * b->y) >> 14;
-    out.y = (a->z * b->x - a->x * b->z) >> 14;
-    out.z = (a->x * b->y - a->y * b->x) >> 14;
     return out;
 }
 
@@ -171,13 +169,10 @@ static void whole_code(const shade_spheres_persp *s, const eval_surface *n, cons
     const eval_surface x = ax | ay | az ? unit(ax, ay, az) : unit(v->z, 0, -v->x);
     const eval_surface y = cross(v, &x);
     const pair p = pair_of(s, angle);
-    eval_surface turned;
+    const eval_surface turned = {eval_dot_of(n, &x) >> 14, eval_dot_of(n, &y) >> 14, eval_dot_of(n, v) >> 14, 1 << 28};
     int32_t code[2][3], k = 16384;
     int i;
 
-    turned.x = eval_dot_of(n, &x) >> 14;
-    turned.y = eval_dot_of(n, &y) >> 14;
-    turned.z = eval_dot_of(n, v) >> 14;
     if (s->paper) k = p.lone ? 24576 : rotation(&turned, angle); /* beyond the images 3/4, section 3 */
     for (i = 0; i < 2; i++) turned_code(s, p.image[i], &turned, (uint32_t)((p.at[i] - angle) * k) * 2, code[i]);
     blend(code, p.weight, out);

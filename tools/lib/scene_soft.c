@@ -118,8 +118,6 @@ static int make_lit(nacre_soft_lit *out, const scene *s, const nacre_view *view,
 
     *out = (nacre_soft_lit){0};
     if (!s->distant && !s->lit_size) return FAIL_NONE;
-    if (material->image[NACRE_ROLE_NORMAL] || material->image[NACRE_ROLE_MASK])
-        return fail(f, FAIL_UNSUPPORTED, "normal maps and masks: not drawn by the CPU renderer");
     texels = need_memory((size_t)desc.size * desc.size, 4);
     scratch = need_memory(1, scratch_size);
     code = check(nacre_soft_lit_rows(&desc, texels, 0, desc.size, scratch, scratch_size), "nacre_soft_lit_rows", f);
