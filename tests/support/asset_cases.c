@@ -25,6 +25,8 @@ const asset_case asset_cases[] = {
     {"quarters-etc2", NACRE_FORMAT_ETC2_RGB8, 8, 8, 2, 1, 1, 0, "spheres"},
     {"table-rows", NACRE_FORMAT_RGBA8, 7, 6, 0, 1, 1, 0, "table"},
     {"table-two", NACRE_FORMAT_RGBA8, 6, 7, 2, 1, 1, 0, "table"},
+    {"palette", NACRE_FORMAT_RGBA8, 12, 16, 0, 1, 1, 0, "palette"},
+    {"index", NACRE_FORMAT_R8, 8, 4, 0, 1, 4, 0, "index"},
 };
 const int asset_case_count = sizeof asset_cases / sizeof asset_cases[0];
 
@@ -71,6 +73,7 @@ static void fill_level(const asset_case *c, int level, bytes *out, uint32_t *sta
     const int etc1 = c->format == NACRE_FORMAT_ETC2_RGB8 && !is_quarters(c); /* the others in any mode */
     for (size_t i = 0; i < size; i++) {
         uint8_t byte = (uint8_t)(next(state) >> 11);
+        if (c->role && !strcmp(c->role, "index")) byte %= 3;
         if (c->format == NACRE_FORMAT_RGBA16F && i % 2) byte &= 0x3F; /* finite halves, below 2 */
         if (etc1 && i % 8 < 3) byte &= 0xF8 | 3;                      /* 5-bit colours, steps of 0..3 ... */
         if (etc1 && i % 8 < 3) byte &= 0xE7;                          /* ... that can't leave 0..31 */
@@ -90,6 +93,17 @@ static void add_keys(const asset_case *c, ktx2_image *k)
             1.5, 1.25,  1, 0.5,  -0.75, 0.25, 2};
         ktx2_key_text(k, NACRE_KEY_TRANSFER, "root");
         ktx2_key_q16(k, NACRE_KEY_TABLE, table, early ? 9 : c->layers == 2 ? 17 : 10);
+    }
+    if (!strcmp(c->role, "palette")) { /* three tables of 4 x 4 in two columns */
+        const double table[10] = {1.5, 0.875, 1, 0.75, -0.5, 4, 1.0 / 256, 0, 0, -0.5};
+        const uint32_t tiles[4] = {3, 2, 4, 4};
+        ktx2_key_text(k, NACRE_KEY_TRANSFER, "root");
+        ktx2_key_q16(k, NACRE_KEY_TABLE, table, 10);
+        ktx2_key_u32(k, NACRE_KEY_TILES, tiles, 4);
+    }
+    if (!strcmp(c->role, "index")) {
+        const uint32_t blend = 1;
+        ktx2_key_u32(k, NACRE_KEY_BLEND, &blend, 1);
     }
     if (!strcmp(c->role, "spheres")) {
         const double scale[3] = {2, 1.25, 0.5}, disc = 0.9375;

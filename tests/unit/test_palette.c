@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "asset_cases.h"
 #include "ktx2_write.h"
 #include "metric.h"
 #include "nacre_asset.h"
@@ -365,6 +366,53 @@ static void codes_name_tables(void **state)
     palette_free(&p);
 }
 
+/* Small files with every byte of their heads changed to every other value, and every code: read or refused, never beyond
+   their ends (the sanitizers watch), and what is read is in range. */
+static void changed_bytes_are_read_or_refused(void **state)
+{
+    files f = {0};
+    long refused = 0, read = 0;
+    (void)state;
+    for (int i = 0; i < asset_case_count; i++) {
+        const int which = !strcmp(asset_cases[i].name, "palette") ? 0 : !strcmp(asset_cases[i].name, "index") ? 1 : -1;
+        ktx2_image k;
+        if (which < 0) continue;
+        asset_case_make(&asset_cases[i], &k);
+        ktx2_write(&k, &f.file[which]);
+        ktx2_free(&k);
+    }
+    open_files(&f);
+    runtime_refuses(&f, NACRE_OK);
+    for (int which = 0; which < 2; which++)
+        for (size_t at = 0; at < f.file[which].size; at++) {
+            uint8_t *byte = f.file[which].data + at;
+            const uint8_t kept = *byte;
+            for (int change = 1; change < 256; change++) {
+                shade_material m;
+                *byte = (uint8_t)(kept ^ change);
+                if (nacre_image_open(&f.image[which], f.file[which].data, f.file[which].size) ||
+                    shade_material_read(&m, &f.material)) {
+                    refused++;
+                    continue;
+                }
+                read++;
+                assert_true(m.palette.count >= 1 && m.palette.count <= 256 && m.palette.columns <= 16);
+                assert_true(m.palette.columns * m.palette.rows >= m.palette.count);
+                assert_true(m.is.table.image_width == m.palette.columns * (m.is.table.width + 2));
+                for (unsigned level = 0; level < f.image[1].levels; level++) {
+                    uint32_t size;
+                    const uint8_t *codes = nacre_image_texels(&f.image[1], level, 0, 0, &size);
+                    for (uint32_t i = 0; i < size; i++) assert_true(codes[i] < m.palette.count);
+                }
+            }
+            *byte = kept;
+            assert_int_equal(nacre_image_open(&f.image[which], f.file[which].data, f.file[which].size), NACRE_OK);
+        }
+    print_message("%ld changed bytes refused, %ld read\n", refused, read);
+    assert_true(refused > 0 && read > 0);
+    close_files(&f);
+}
+
 static void mistakes_are_one_line(void **state)
 {
     static const shell_mistake list[] = {
@@ -412,6 +460,7 @@ int main(void)
         cmocka_unit_test(half_precision_stays_in_its_tile),
         cmocka_unit_test(the_runtime_trusts_nothing),
         cmocka_unit_test(codes_name_tables),
+        cmocka_unit_test(changed_bytes_are_read_or_refused),
         cmocka_unit_test(mistakes_are_one_line),
     };
     return cmocka_run_group_tests(tests, begin, shell_end);
