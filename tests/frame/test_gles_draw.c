@@ -174,6 +174,44 @@ static void passes_equal_one_pass(void **state)
     assert_true(in_passes >= (opened & 1 ? 4 : 0) + (opened >> 1 & 1) + (opened >> 2 & 1));
 }
 
+/* The same of eight lights on maps of three lobes: passes of four lights, first with two lobes, then with the third. GLSL ES
+   1.00 has no program of eight. */
+static void lobes_in_passes(void **state)
+{
+    (void)state;
+    const uint8_t levels = assets.image[KIT_SBRDF].levels;
+    int compared = 0, opened = 0;
+    assets.image[KIT_SBRDF].levels = assets.image[KIT_LOBES].levels = 1;
+    for (int d = 0; d < DRIVERS; d++)
+        for (int power = NACRE_GLES_POWER_COMPUTED; power <= NACRE_GLES_POWER_TABLE; power++)
+            for (int perspective = 0; perspective < 2; perspective++) {
+                image_u8 picture[2];
+                char what[100];
+                int i, draws[2];
+                nacre_view view = kit_view(8, perspective, perspective);
+                view.ambient = nacre_rgb_from_float(0.1f, 0.2f, 0.3f);
+                snprintf(what, sizeof what, "%s, power %d, perspective %d", drivers_here[d].name, power, perspective);
+                for (i = 0; i < 2; i++) {
+                    kit_world w;
+                    if (!open_driver(d, &(fake_gl_options){.fragment_vectors = i ? 16 : 1024})) break;
+                    begin(&w, &(nacre_gles_desc){.power = (uint8_t)power});
+                    picture[i] = draw(&w, add(&w, KIT_SBRDF, 0), &view);
+                    draws[i] = fake_gl_draws();
+                    end(&w);
+                    gl_headless_close(context);
+                }
+                if (!i) continue;
+                assert_alike(&picture[0], &picture[1], 2, what);
+                assert_true(draws[1] > 1);
+                compared += draws[0] == 1;
+                opened++;
+                for (i = 0; i < 2; i++) image_u8_free(&picture[i]);
+            }
+    assets.image[KIT_SBRDF].levels = assets.image[KIT_LOBES].levels = levels;
+    print_message("%d of %d pairs: one program against passes\n", compared, opened);
+    assert_true(!opened || compared >= 4);
+}
+
 /* Depth that falls with distance by glDepthRange: the passes' own depth test must turn round too. */
 static void passes_know_reversed_depth(void **state)
 {
@@ -483,13 +521,10 @@ static void state_is_put_back(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(passes_equal_one_pass),
-        cmocka_unit_test(passes_know_reversed_depth),
-        cmocka_unit_test(passes_have_their_limits),
-        cmocka_unit_test(callers_buffers_equal_mesh),
-        cmocka_unit_test(wide_indices_equal_short_ones),
-        cmocka_unit_test(options_do_not_show),
-        cmocka_unit_test(state_is_put_back),
+        cmocka_unit_test(passes_equal_one_pass),      cmocka_unit_test(lobes_in_passes),
+        cmocka_unit_test(passes_know_reversed_depth), cmocka_unit_test(passes_have_their_limits),
+        cmocka_unit_test(callers_buffers_equal_mesh), cmocka_unit_test(wide_indices_equal_short_ones),
+        cmocka_unit_test(options_do_not_show),        cmocka_unit_test(state_is_put_back),
     };
     int failed;
     kit_open(&assets);

@@ -74,15 +74,15 @@ static void fill(ktx2_image *k, int normal)
 /* Of a material that varies over the surface. */
 static void add_map_keys(ktx2_image *k, kit_model model)
 {
-    static const double most[2] = {0.75, 2}, shape[2] = {1, 1.5};
-    const uint32_t lobes = 2, one = 1;
+    static const double most[3] = {0.75, 2, 1}, shape[3] = {1, 1.5, 1};
+    const uint32_t lobes = 3, one = 1;
     ktx2_key_text(k, NACRE_KEY_ROLE, model == KIT_SBRDF ? "albedo" : model == KIT_LOBES ? "lobes" : "power");
     ktx2_key_text(k, NACRE_KEY_TRANSFER, model == KIT_POWER ? "root" : "linear");
     if (model == KIT_POWER) return;
-    ktx2_key_q16(k, NACRE_KEY_MOST, most, model == KIT_LOBES ? 2 : 1);
+    ktx2_key_q16(k, NACRE_KEY_MOST, most, model == KIT_LOBES ? 3 : 1);
     if (model != KIT_LOBES) return;
     ktx2_key_u32(k, NACRE_KEY_LOBES, &lobes, 1);
-    ktx2_key_q16(k, NACRE_KEY_SHAPE, shape, 2);
+    ktx2_key_q16(k, NACRE_KEY_SHAPE, shape, 3);
     ktx2_key_u32(k, NACRE_KEY_DIRECTION, &one, 1);
 }
 
@@ -135,7 +135,7 @@ static void make_asset(kit *k, kit_model model)
         [KIT_SPHERES] = {NACRE_FORMAT_RGBA8, 32, 32, 4, 6},  [KIT_PAPER] = {NACRE_FORMAT_RGBA8, 128, 128, 4, 8},
         [KIT_ETC1] = {NACRE_FORMAT_ETC2_RGB8, 16, 16, 3, 5}, [KIT_RGB565] = {NACRE_FORMAT_RGB565, 20, 12, 5, 2},
         [KIT_QUARTER] = {NACRE_FORMAT_RGB8, 16, 16, 5, 1},   [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
-        [KIT_SBRDF] = {NACRE_FORMAT_RGBA8, 16, 16, 0, 5},    [KIT_LOBES] = {NACRE_FORMAT_RGBA8, 16, 16, 4, 5},
+        [KIT_SBRDF] = {NACRE_FORMAT_RGBA8, 16, 16, 0, 5},    [KIT_LOBES] = {NACRE_FORMAT_RGBA8, 16, 16, 6, 5},
         [KIT_POWER] = {NACRE_FORMAT_R8, 32, 16, 0, 1},
     };
     ktx2_image image;

@@ -17,7 +17,7 @@ typedef enum kit_model {
     KIT_RGB565,  /* spheres, 5 layers of 20 x 12, mips cut short */
     KIT_QUARTER, /* spheres, 5 quarters of 16 x 16, RGB8 */
     KIT_SBRDF,   /* maps of 16 x 16, 5 levels: diffuse albedo, */
-    KIT_LOBES,   /* two lobes with a direction, */
+    KIT_LOBES,   /* three lobes with a direction, */
     KIT_POWER,   /* and x^n, 32 x 16 */
     KIT_NORMAL,  /* 8 x 8 normal map, RGB8 */
     KIT_MODELS
