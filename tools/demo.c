@@ -306,7 +306,7 @@ static void environment_sheet(studio *st, const char *map_path, const scene_came
                                  .rows = 3,
                                  .cell_width = 256,
                                  .cell_height = 160,
-                                 .row_label_width = 140,
+                                 .row_label_width = 150,
                                  .has_heads = 1};
     const light_options options = {.count = 512};
     sheet sh = sheet_begin(&layout);
