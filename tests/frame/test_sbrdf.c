@@ -24,6 +24,7 @@
 /* fp32: what is asked of highp, of every pixel inside. The display curve is 1.2 codes off at most, the table 1.5 at n = 255.
    fp16: x is off by up to 2^-11, x^255 by 12 %: reached is 5. Both with texels filtered in floats. */
 static const compare_bound fp32 = {-3, 3, 0, 0.01}, fp16 = {-6, 6, 0, 0.01};
+static const compare_bound turned = {-1, 1, 0, 0}, turned_fp16 = {-2, 2, 0, 0};
 static const double most_mean = 0.5;
 /* The CPU renderer: rounding down in every step, and 1 / n.l of that where square roots are steep. Normal maps: one step of
    a normal's 14 bits in a highlight of n = 255. */
@@ -195,6 +196,33 @@ static void draw_case(run *r, int index, int lobes, unsigned seed)
     material_close(&m);
 }
 
+/* A lobe with Cx = Cy is isotropic: its picture does not hang on the direction of anisotropy. */
+static void turn_isotropic(run *r, unsigned seed)
+{
+    image_u8 picture[2];
+    char name[120];
+
+    for (int direction = 0; direction < 2; direction++) {
+        sbrdf_map map;
+        material m;
+        scene s;
+        failure f = {0};
+
+        paint(&map, seed, 1, direction);
+        material_open(&m, &map);
+        case_scene(&s, &cases[0].frame, &r->sphere, r->size, r->size);
+        if (r->g ? scene_gles_draw(r->g, &s, &m.runtime, &picture[direction], &f)
+                 : scene_draw_soft(&s, &m.runtime, &picture[direction], &f)) {
+            printf("%s\n", f.text);
+            exit(1);
+        }
+        material_close(&m);
+    }
+    snprintf(name, sizeof name, "sbrdf %s, Cx = Cy turned, %s, seed %u", r->name, r->power, seed);
+    r->failed += !compare_frames(name, &picture[0], &picture[1], 1, r->half ? &turned_fp16 : &turned, NULL);
+    for (int i = 0; i < 2; i++) image_u8_free(&picture[i]);
+}
+
 static void run_begin(run *r, const char *name, int size)
 {
     failure f = {0};
@@ -215,6 +243,7 @@ static void draw_cases(run *r)
     for (int i = 0; i < CASES; i++)
         for (int lobes = 1; lobes <= 3; lobes++)
             for (unsigned seed = 0; seed < (i ? 2 : SEEDS); seed++) draw_case(r, i, lobes, seed + (unsigned)i);
+    for (unsigned seed = 0; seed < SEEDS; seed++) turn_isotropic(r, seed);
 }
 
 static int run_driver(int index)
