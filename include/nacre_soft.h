@@ -85,9 +85,8 @@ typedef struct nacre_soft_lit {
 
 /* What a lit sphere shows. */
 typedef struct nacre_soft_lit_desc {
-    const nacre_material
-        *material;          /* TABLE, or SPHERES without the cosine; texels RGB8 or RGBA8. Its normal map and mask
-                                       are ignored. SBRDF and PALETTE vary over the surface: no sphere of them */
+    const nacre_material *material; /* TABLE or SPHERES, texels RGB8 or RGBA8; its normal map and mask are ignored. SBRDF
+                                       and PALETTE vary over the surface: there is no sphere of them */
     const nacre_view *view; /* lights (all directional, up to NACRE_MAX_LIT_LIGHTS: `nacre bake lights` makes them of an
                                environment), exposure, ambient, tint, output; camera and object_to_view for the
                                direction to the eye */
@@ -97,7 +96,7 @@ typedef struct nacre_soft_lit_desc {
     const nacre_soft_kernels *kernels; /* (portable) */
 } nacre_soft_lit_desc;
 
-/* Bytes of scratch, 4-byte aligned, for so many rows at once: about 3,100 + 16 (fine: 32) a column of the table + 30 x size
+/* Bytes of scratch, 4-byte aligned, for so many rows at once: about 3,300 + 16 (fine: 32) a column of the table + 30 x size
    a row. One row is enough; more are faster with many lights, whose set-up is repeated for each portion. 0: desc is not
    valid. */
 size_t nacre_soft_lit_scratch_size(const nacre_soft_lit_desc *desc, unsigned rows);

@@ -2,6 +2,7 @@
 #include "lit_sphere.h"
 
 #include "eval_inner.h"
+#include "eval_spheres_persp.h"
 
 /* Dim lights are added up in units 16 times as fine, so that many of them together lose nothing to rounding. */
 #define FINE_BITS      4
@@ -54,8 +55,15 @@ typedef struct parts { /* of the scratch */
     shade_rgb sum, fine; /* q16; and in finer units, of dim lights */
 } parts;
 
+static int is_paper(const shade_material *m)
+{
+    return SHADE_HAS_SPHERES && SHADE_HAS_NEAR && m->model == NACRE_MODEL_SPHERES && m->is.spheres.cosine;
+}
+
+/* Of a table; in paper mode room for the evaluator, and for aligning it. */
 static uint32_t column_words(const shade_material *m)
 {
+    if (is_paper(m)) return (sizeof(shade_spheres_persp) + sizeof(void *) + 3) / 4;
     return shade_is_table(m) ? SHADE_TABLE_WORDS(m->is.table.width, shade_is_fine(m)) : 0;
 }
 
@@ -104,6 +112,31 @@ static int make_fine(shade_light *light, const shade_material *material)
     return 1;
 }
 
+/* Images with the cosine in them are turned normal by normal; all are seen along +z. */
+FX_APART static void add_paper(const shade_lit *lit, const parts *p, const shade_light *light, int count, shade_rgb to)
+{
+    enum { FEW = 8 };
+    static const uint32_t eye_xy[FEW];
+    static const int16_t eye_z[FEW] = {16384, 16384, 16384, 16384, 16384, 16384, 16384, 16384};
+    shade_spheres_persp *const spheres =
+        (shade_spheres_persp *)(((uintptr_t)p->columns + sizeof(void *) - 1) / sizeof(void *) * sizeof(void *));
+    shade_persp_light from = {{0, 0, 0}, {0, 0, 0}, 0, 0};
+    int i;
+
+    shade_spheres_persp_prepare(spheres, &lit->material->is.spheres, lit->layers[0], lit->sphere_size,
+                                lit->sphere_texel_bytes);
+    for (i = 0; i < 3; i++) {
+        from.place[i] = shade_eval_q14(light->is.spheres.to_light_q28[i]);
+        from.log2_q12[i] = fx_real_log2_q16(light->linear[i]) >> 4;
+    }
+    for (i = 0; i < count; i += FEW) {
+        const shade_seen seen = {p->xy + i, eye_xy, p->z + i, eye_z, {NULL, NULL, NULL}, eval_least(count - i, FEW)};
+        const shade_rgb part = {to.r + i, to.g + i, to.b + i};
+
+        shade_spheres_persp_add(spheres, &from, &seen, part);
+    }
+}
+
 static int add_light(const shade_lit *lit, const parts *p, shade_light *light, int count)
 {
     const shade_rgb *const to = make_fine(light, lit->material) ? &p->fine : &p->sum;
@@ -113,6 +146,8 @@ static int add_light(const shade_lit *lit, const parts *p, shade_light *light, i
 
         if (!shade_table_eval_prepare(&eval, p->columns, light, lit->material, lit->layers)) return 0;
         lit->kernels->table_add(&eval, p->xy, p->z, count, *to);
+    } else if (is_paper(lit->material)) {
+        add_paper(lit, p, light, count, *to);
     } else if (SHADE_HAS_SPHERES) {
         shade_spheres_eval eval;
 

@@ -26,8 +26,8 @@ typedef struct shade_lit_kernels {
 typedef struct shade_lit {
     const nacre_view *view;         /* lights (directional), exposure, ambient, tint, output */
     nacre_q16 centre[3];            /* object space, seen from the eye's direction to it */
-    const shade_material *material; /* TABLE, or SPHERES without the cosine */
-    const uint8_t *const *layers;   /* texels of level 0: tables 1 (fine: 2), spheres all */
+    const shade_material *material; /* TABLE or SPHERES */
+    const uint8_t *const *layers;   /* texels of level 0, one behind the other: tables 1 (fine: 2), spheres all */
     unsigned sphere_size, sphere_texel_bytes;
     unsigned size; /* of the picture */
     const shade_lit_kernels *kernels;

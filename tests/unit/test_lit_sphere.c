@@ -289,14 +289,14 @@ static void mistakes_are_refused_and_memory_is_kept_to(void **state)
     static uint8_t picture[SIZE * SIZE * 4];
     nacre_view view = make_view(2);
     nacre_soft_lit_desc desc = {.view = &view, .size = SIZE, .format = NACRE_SOFT_RGBA8}, bad;
-    case_asset a, paper;
+    case_asset a, varying;
     size_t size;
     workspace room, pixels;
 
     (void)state;
     make_lights(2);
     case_asset_open(&a, CASE_TABLE, "sgd:gold-paint", 0, NULL);
-    case_asset_open(&paper, CASE_PAPER, "sgd:gold-paint", 0, NULL);
+    case_asset_open(&varying, CASE_SBRDF, NULL, 0, NULL);
     desc.material = &a.material;
     size = nacre_soft_lit_scratch_size(&desc, 1);
     workspace_make(&room, size, WORKSPACE_FAULT_BEFORE);
@@ -325,13 +325,13 @@ static void mistakes_are_refused_and_memory_is_kept_to(void **state)
     assert_int_equal(nacre_soft_lit_rows(&desc, picture, 0, 1, room.data, size), NACRE_ERR_UNSUPPORTED);
     lights[1].type = NACRE_LIGHT_DIRECTIONAL;
     bad = desc;
-    bad.material = &paper.material; /* the cosine is in its images */
+    bad.material = &varying.material;
     assert_int_equal(nacre_soft_lit_rows(&bad, picture, 0, 1, room.data, size), NACRE_ERR_UNSUPPORTED);
     assert_true(workspace_intact(&room));
     workspace_free(&room);
     workspace_free(&pixels);
     case_asset_close(&a);
-    case_asset_close(&paper);
+    case_asset_close(&varying);
 }
 
 int main(void)
