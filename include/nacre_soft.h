@@ -83,10 +83,10 @@ typedef struct nacre_soft_lit {
     uint16_t size;      /* 8..512 */
 } nacre_soft_lit;
 
-/* What a lit sphere shows. */
+/* What a lit sphere shows. Materials: TABLE or SPHERES, texels RGB8 or RGBA8; SBRDF and PALETTE vary over the surface, there
+   is no sphere of them. Normal map and mask are ignored. */
 typedef struct nacre_soft_lit_desc {
-    const nacre_material *material; /* TABLE or SPHERES, texels RGB8 or RGBA8; its normal map and mask are ignored. SBRDF
-                                       and PALETTE vary over the surface: there is no sphere of them */
+    const nacre_material *material;
     const nacre_view *view; /* lights (all directional, up to NACRE_MAX_LIT_LIGHTS: `nacre bake lights` makes them of an
                                environment), exposure, ambient, tint, output; camera and object_to_view for the
                                direction to the eye */
