@@ -21,7 +21,7 @@ typedef enum gles_key_model {
     GLES_KEY_QUARTER,
     GLES_KEY_SBRDF,
     GLES_KEY_PALETTE, /* tables of one layer and p = 4, chosen by an index map */
-    GLES_KEY_LIT /* draws by lit spheres: no lights of its own */
+    GLES_KEY_LIT      /* draws by lit spheres: no lights of its own */
 } gles_key_model;
 
 /* Passes, for light counts that one program can't hold. SUM reads both bytes of the previous sum, which is 0 before the first

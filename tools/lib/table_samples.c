@@ -19,7 +19,6 @@
 /* A light at the eye uses the first row alone, which no other frame does: half a frame of its own. */
 #define EYE_WEIGHT 0.5
 
-
 /* A sparse grid over the table, so that texels no frame reaches follow the material where it has values. */
 #define GRID_U      48
 #define GRID_THETA  28
