@@ -211,7 +211,7 @@ int16_t shade_eval_q14(int32_t x_q28);
 /*
  * Columns of a light: the two rows around its l.h, blended. Four words for each: R G B L; eight in the fine tier, where T.r
  * T.g T.b F follow. y k = RGB + T a^2 + L |a| phi + F a^4 phi (one layer: RGB + L a^2 phi) with k = (light of the channel /
- * light of the brightest channel)^(1/p). Values q13, x 2^-down.
+ * light of the brightest channel)^(1/p). Values q13, x 2^-down; L of one layer, which is large where a is small, q11.
  */
 
 EVAL_INLINE int32_t eval_dot(const eval_surface *n, uint32_t xy, int32_t z)
@@ -247,7 +247,7 @@ EVAL_INLINE eval_place eval_place_of(const shade_table_eval *e, const eval_surfa
     p.w = e->columns + (u >> 15) * (fine ? 8 : 4);
     p.square = fine ? size * size >> 13 : eval_least((int32_t)((uint32_t)a * (uint32_t)a >> 13), limit * limit >> 13);
     shared = eval_between(p.w[3], p.f) >> 15;
-    p.linear = shared * (fine ? 2 * size : p.square) >> 15;
+    p.linear = fine ? shared * (2 * size) >> 15 : shared * p.square >> 13;
     if (fine) p.linear += ((eval_between(p.w[7], p.f) >> 15) * (p.square * p.square >> 15)) >> 15;
     return p;
 }
@@ -257,9 +257,7 @@ EVAL_INLINE int32_t eval_root(const shade_table_eval *e, const eval_place *p, in
 {
     const int32_t plain = eval_between(p->w[i], p->f) + eval_mul16(p->linear, e->phi[i]);
 
-    /* without the terms of the fine tier no root reaches 2 */
-    if (!fine) return plain < 0 ? 0 : plain >> 15;
-    return eval_clip((plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square) >> 15, 32767);
+    return eval_clip((fine ? plain + (eval_between(p->w[4 + i], p->f) >> 15) * p->square : plain) >> 15, 32767);
 }
 
 #endif

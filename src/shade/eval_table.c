@@ -114,7 +114,7 @@ static void set_columns(shade_table_eval *out, uint32_t *columns, int32_t row_q2
                         const int64_t part_q30[3], const uint8_t *const texels[2])
 {
     const unsigned stride = SHADE_HAS_FINE && out->fine ? 8 : 4, width = table->width;
-    int64_t bend_q30[3];
+    int64_t bend_q30[3], most;
     channel of;
     unsigned i;
 
@@ -123,7 +123,8 @@ static void set_columns(shade_table_eval *out, uint32_t *columns, int32_t row_q2
         set_column(columns + i, stride, width, &of, 1);
         bend_q30[i] = times_q16(part_q30[i], SHADE_HAS_FINE && out->fine ? table->k2 : table->w[i]);
     }
-    of = channel_of(table, row_q28, texels[0], 3, HALF_CODE_Q15, spread(out, bend_q30));
+    most = spread(out, bend_q30);
+    of = channel_of(table, row_q28, texels[0], 3, HALF_CODE_Q15, stride == 4 ? most / 4 : most);
     set_column(columns + 3, stride, width, &of, 1);
     for (i = 0; i < 4 && SHADE_HAS_FINE && out->fine; i++) {
         of = channel_of(table, row_q28, texels[1], i, HALF_CODE_Q15, i < 3 ? times_q16(part_q30[i], table->k1) : 0);

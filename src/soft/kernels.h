@@ -148,7 +148,7 @@ EVAL_INLINE void roots(const shade_table_eval *e, const constants *c, lanes xy, 
             root[i] = clip_root(plus(plus(between(w[i], f), product(DOWN_SIGNED(between(t[i], f), 15), bent)),
                                      product(linear, c->phi[i])));
     } else {
-        const lanes bend = DOWN_SIGNED(product(shared, bent), 15);
+        const lanes bend = DOWN_SIGNED(product(shared, bent), 13);
 
         for (i = 0; i < 3; i++) root[i] = clip_root(plus(between(w[i], f), product(bend, c->phi[i])));
     }

@@ -229,7 +229,7 @@ ASSEMBLY static uint16_t *table_pixels(const uint32_t *xy, const int16_t *z, uin
             "smlabb lr, lr, r9, lr             \n"
             "asr    lr, lr, #15                \n"
             "mul    r7, lr, r7                 \n"
-            "asr    r7, r7, #15                \n"
+            "asr    r7, r7, #13                \n"
             "ldm    r6, {r4, r5, r6}           \n" /* roots */
             "smlabb r4, r4, r9, r4             \n"
             "smlabb r5, r5, r9, r5             \n"
