@@ -132,12 +132,12 @@ typedef struct table {
     uint32_t light_xy;
     uint32_t z; /* of the light; of -2 h in the upper half */
     uint32_t half_xy;
-    const uint32_t *log2;      /* shade_lut_log2 for 16..31 */
+    uint32_t log2;             /* address of shade_lut_log2, for 16..31 */
     int32_t scale, from, last; /* u x 256 = log2 x scale + from */
     const uint32_t *columns;
-    uint32_t limit;         /* of (n.l - n.v)^2, q15 */
-    const uint32_t *root48; /* shade_lut_root48 for node - 8 zeros */
-    int32_t gain;           /* q16 */
+    uint32_t limit;  /* of (n.l - n.v)^2, q15 */
+    uint32_t root48; /* address of shade_lut_root48, for node - 8 zeros */
+    int32_t gain;    /* q16 */
     uint32_t phi_rg, phi_b_shift;
     int32_t offset;
     int32_t low;          /* what is added to the square of a root: rounding less SHADE_CODE_LOW */
@@ -297,13 +297,13 @@ static void table_565(const shade_table_eval *e, const uint32_t *xy, const int16
     t.light_xy = e->to_light_xy;
     t.z = shade_pack_xy(e->to_light_z, e->half_z);
     t.half_xy = e->half_xy;
-    t.log2 = shade_lut_log2 - 16;
+    t.log2 = (uint32_t)(uintptr_t)shade_lut_log2 - 4 * 16; /* by number: C knows no pointer before an array */
     t.scale = e->scale;
     t.from = (int32_t)((uint32_t)e->at_middle * 256u + (uint32_t)(31 * 4096 - e->log_middle) * (uint32_t)e->scale);
     t.last = e->last * 256 + 255;
     t.columns = e->columns;
     t.limit = (uint32_t)(e->limit * e->limit) >> 13;
-    t.root48 = shade_lut_root48 + 168;
+    t.root48 = (uint32_t)(uintptr_t)shade_lut_root48 + 4 * 168;
     t.gain = 2 * e->gain_code;
     t.phi_rg = shade_pack_xy(e->phi[0], e->phi[1]);
     t.phi_b_shift = shade_pack_xy(e->shift_code, e->phi[2]);

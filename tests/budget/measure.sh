@@ -48,8 +48,8 @@ firmware() { # NAME FLAGS: code and constant tables of nacre alone: no libc, no 
             -c -o "$fw/$(echo "${c%.c}" | tr / -).o" "$c"
     done
     # shellcheck disable=SC2046
-    $arm -mcpu=cortex-m4 -mthumb -nostartfiles -Wl,--gc-sections,--entry=main $(printf -- '-Wl,--defsym=app_%s=0 ' $application) \
-        -o "$fw/firmware.elf" "$fw"/*.o
+    $arm -mcpu=cortex-m4 -mthumb -nostdlib -Wl,--gc-sections,--entry=main $(printf -- '-Wl,--defsym=%s=0 ' $outside) \
+        -o "$fw/firmware.elf" "$fw"/*.o -lgcc
     "${arm%gcc}objdump" -t "$fw/firmware.elf" >"$fw/symbols.txt"
     "${arm%gcc}objdump" -d --no-show-raw-insn "$fw/firmware.elf" >"$fw/code.txt"
     awk -v kernels="soft_draw shade_normalise shade_table_add shade_table_code shade_encode soft_lit" \
@@ -75,7 +75,8 @@ compile m0 cortex-m0
 for room in $rooms; do
     row cortex-m4 "$room" "$size" "$(deepest "$build/m4/$room")" "$build/m4/$room"/*.o
 done
-application="desc view item lit image block scratch pixels texels block_size scratch_size file_size file send_band"
+outside="memcpy memset memcmp app_desc app_view app_item app_lit app_image app_block app_scratch app_pixels app_texels
+app_block_size app_scratch_size app_file_size app_file app_send_band"
 lit="-DNACRE_NO_TABLES -DNACRE_NO_SPHERES -DNACRE_NO_MAPS -DNACRE_NO_NEAR -DNACRE_NO_GLES"
 table="-DFIRMWARE_TABLE -DNACRE_NO_FINE -DNACRE_NO_SPHERES -DNACRE_NO_MAPS -DNACRE_NO_NEAR -DNACRE_NO_GLES"
 models="-DFIRMWARE_TABLE -DNACRE_NO_FINE -DNACRE_NO_NEAR -DNACRE_NO_GLES"
