@@ -7,6 +7,7 @@
 #include "table_parts.h"
 
 #define DISPLAY_STEPS 3
+#define ALBEDO        1e-3  /* weight of relative errors of albedos, in parts of samples */
 #define SMOOTH        5e-5  /* both in parts of samples per ten texels */
 #define SMOOTH_TEXELS 504.0 /* larger tables: second differences shrink with the step, samples per texel too */
 #define RIDGE         1e-3
@@ -53,12 +54,12 @@ static table_hold hold_of(const table_samples *s, const table_asset *t, double r
     return (table_hold){SMOOTH * unit * finer * finer, ridge * unit, COEFFICIENT};
 }
 
-static double *fit(const table_model *m, const table_samples *s, const table_asset *t, int steps)
+static double *fit(const table_model *m, const table_samples *s, const table_sky *sky, const table_asset *t, int steps)
 {
     table_hold closed = hold_of(s, t, RIDGE_CLOSED), display = hold_of(s, t, RIDGE);
     double *x = table_start(m, s);
     table_solve_closed(m, s, &closed, x);
-    table_solve_display(m, s, &display, steps, x);
+    table_solve_display(m, s, sky, &display, steps, x);
     return x;
 }
 
@@ -94,7 +95,7 @@ static table_model model_of(table_tier tier, const table_asset *t, const table_s
     table_hold closed = hold_of(s, t, RIDGE_CLOSED);
     double *x = table_start(&m, s);
     table_solve_closed(&m, s, &closed, x);
-    table_solve_display(&m, s, &closed, 1, x);
+    table_solve_display(&m, s, NULL, &closed, 1, x);
     table_weight_vectors(&m, s, x, vectors, w);
     table_samples_free(&few);
     free(x);
@@ -104,7 +105,7 @@ static table_model model_of(table_tier tier, const table_asset *t, const table_s
 }
 
 /* Base roots that no sample asks for (out in the smoothed margins) come back into the material's own range. */
-static void clamp_roots(const table_model *m, const table_samples *s, double *x)
+static void clamp_roots(const table_model *m, const table_samples *s, const table_sky *sky, double *x)
 {
     double low[3] = {1e9, 1e9, 1e9}, high[3] = {0, 0, 0};
     for (size_t i = 0; i < s->count; i++)
@@ -112,6 +113,7 @@ static void clamp_roots(const table_model *m, const table_samples *s, double *x)
             low[k] = fmin(low[k], s->sample[i].root[k]);
             high[k] = fmax(high[k], s->sample[i].root[k]);
         }
+    for (int k = 0; k < 3 && sky; k++) high[k] = fmax(high[k], sky->most[k]);
     int n = table_unknowns(m);
     for (int t = 0; t < m->width * m->height; t++)
         for (int k = 0; k < 3; k++) x[t * n + k] = fmin(fmax(x[t * n + k], fmin(low[k], high[k])), high[k]);
@@ -169,11 +171,11 @@ static const double base_share[] = {0.45, 0.7, 1};
 #define SHARES (int)(sizeof base_share / sizeof *base_share)
 
 /* Codes of the ranges that draw best: a few large values may be cut so that all others get finer steps. */
-static void encode(table_asset *t, const table_model *m, const table_samples *s, const table_options *o,
-                   const double *x)
+static void encode(table_asset *t, const table_model *m, const table_samples *s, const table_sky *sky,
+                   const table_options *o, const double *x)
 {
     table_hold hold = hold_of(s, t, 0);
-    table_problem p = table_problem_make(m, s, &hold);
+    table_problem p = table_problem_make(m, s, sky, &hold);
     table_linearize(&p, x);
     double best = HUGE_VAL;
     int share = 0;
@@ -204,6 +206,15 @@ static void encode(table_asset *t, const table_model *m, const table_samples *s,
     table_problem_free(&p);
 }
 
+/* Albedos count where a peak is too high and narrow for display errors to keep its energy, and only in two layers: one has no
+   codes to spare for such heights. */
+static int count_albedo(table_sky *sky, const brdf *b, const table_asset *t, const table_samples *s)
+{
+    if (t->layers < 2) return 0;
+    *sky = table_sky_make(b, t, ALBEDO * (double)s->count);
+    return fmax(fmax(sky->most[0], sky->most[1]), sky->most[2]) > pow(TABLE_MAX_ROOTED, 1 / t->p);
+}
+
 int table_bake(table_asset *out, const brdf *b, const table_options *options, failure *f)
 {
     table_options o = with_defaults(options);
@@ -226,6 +237,14 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
     if (result) return result;
     if (!shared->has_rows) table_choose_place(&t, &samples, o.eps == 0 && shared->eps == 0);
     table_samples_place(&samples, &t);
+    table_sky sky = {0};
+    const table_sky *counted = count_albedo(&sky, b, &t, &samples) ? &sky : NULL;
+    if (counted) result = table_samples_regrid(&samples, b, &t, f);
+    if (result) {
+        table_sky_free(&sky);
+        table_samples_free(&samples);
+        return result;
+    }
     progress_begin(o.progress, "steps", 1 + DISPLAY_STEPS + RANGES);
     brdf_albedo(b, t.albedo);
     for (int k = 0; k < 3; k++) t.albedo[k] = round_q16(t.albedo[k]);
@@ -233,11 +252,12 @@ int table_bake(table_asset *out, const brdf *b, const table_options *options, fa
     int along = shared->w[0] != 0 || shared->w[1] != 0 || shared->w[2] != 0;
     table_model model = along ? model_along(&t, shared->w) : model_of(o.tier, &t, &samples);
     progress_add(o.progress, 1);
-    double *x = fit(&model, &samples, &t, DISPLAY_STEPS);
-    clamp_roots(&model, &samples, x);
+    double *x = fit(&model, &samples, counted, &t, DISPLAY_STEPS);
+    clamp_roots(&model, &samples, counted, x);
     progress_add(o.progress, DISPLAY_STEPS);
-    encode(&t, &model, &samples, &o, x);
+    encode(&t, &model, &samples, counted, &o, x);
     t.toe = o.power == 4.8 && table_wants_toe(&t, &samples);
+    table_sky_free(&sky);
     progress_end(o.progress);
     free(x);
     table_samples_free(&samples);

@@ -9,7 +9,7 @@
 
 #define MAX_N         TABLE_MAX_UNKNOWNS
 #define CG_TOLERANCE  1e-5
-#define CG_FINE       1e-3 /* with many unknowns per texel, where the rest is below the codes */
+#define CG_COARSE     1e-3 /* with many unknowns per texel, where the rest is below the codes */
 #define CG_ITERATIONS 250
 
 /* call, with n a constant for the compiler: the inner loops are short. */
@@ -37,10 +37,12 @@
     }                                                                                                                  \
     }
 
-table_problem table_problem_make(const table_model *m, const table_samples *s, const table_hold *hold)
+table_problem table_problem_make(const table_model *m, const table_samples *s, const table_sky *sky,
+                                 const table_hold *hold)
 {
     int n = table_unknowns(m), texels = m->width * m->height;
-    table_problem p = {.model = m, .samples = s, .n = n, .width = m->width, .height = m->height, .texels = texels};
+    table_problem p = {
+        .model = m, .samples = s, .sky = sky, .n = n, .width = m->width, .height = m->height, .texels = texels};
     for (int k = 0; k < n; k++) {
         double times = k < 3 ? 1 : hold->coefficient;
         p.smooth[k] = hold->smooth * times;
@@ -49,6 +51,7 @@ table_problem table_problem_make(const table_model *m, const table_samples *s, c
     p.block = need_memory((size_t)texels * TABLE_STENCIL, (size_t)(n * n) * sizeof(double));
     p.rhs = need_memory((size_t)texels, (size_t)n * sizeof(double));
     p.inverse = need_memory((size_t)texels, (size_t)(n * n) * sizeof(double));
+    if (sky) p.pull = need_memory((size_t)(texels * n), TABLE_SKY_TERMS * sizeof(double));
     return p;
 }
 
@@ -57,27 +60,34 @@ void table_problem_free(table_problem *p)
     free(p->block);
     free(p->rhs);
     free(p->inverse);
+    free(p->pull);
 }
 
 /* Unknowns at a sample, between its four texels. Inline so that n is a constant where it is called. */
-static inline void gather(const table_sample *s, int width, int n, const double *x, double *value)
+static inline void gather(const table_footprint *at, int width, int n, const double *x, double *value)
 {
     int index[4];
-    table_corners(&s->at, width, index);
+    table_corners(at, width, index);
     for (int k = 0; k < n; k++) value[k] = 0;
     for (int c = 0; c < 4; c++)
-        for (int k = 0; k < n; k++) value[k] += s->at.weight[c] * x[index[c] * n + k];
+        for (int k = 0; k < n; k++) value[k] += at->weight[c] * x[index[c] * n + k];
+}
+
+void table_drawn_at(const table_problem *p, const table_footprint *at, const double basis[TABLE_BASES], const double *x,
+                    double root[3])
+{
+    double value[MAX_N];
+    FOR_CONSTANT_N(p->n, gather(at, p->width, n, x, value));
+    for (int k = 0; k < 3; k++) root[k] = value[k];
+    for (int j = 0; j < p->model->coefficients; j++) {
+        double term = value[3 + j] * basis[p->model->coefficient[j].kind];
+        for (int k = 0; k < 3; k++) root[k] += term * p->model->coefficient[j].g[k];
+    }
 }
 
 void table_drawn(const table_problem *p, const table_sample *s, const double *x, double root[3])
 {
-    double value[MAX_N];
-    FOR_CONSTANT_N(p->n, gather(s, p->width, n, x, value));
-    for (int k = 0; k < 3; k++) root[k] = value[k];
-    for (int j = 0; j < p->model->coefficients; j++) {
-        double term = value[3 + j] * s->basis[p->model->coefficient[j].kind];
-        for (int k = 0; k < 3; k++) root[k] += term * p->model->coefficient[j].g[k];
-    }
+    table_drawn_at(p, &s->at, s->basis, x, root);
 }
 
 /* A sample's own share: its matrix and vector over the unknowns of a texel. */
@@ -170,12 +180,30 @@ static inline void add_blocks(const table_problem *p, int n, const double *x, do
     }
 }
 
+/* y += pull pull^T x */
+static void add_pull(const table_problem *p, const double *x, double *y)
+{
+    double sum[TABLE_SKY_TERMS] = {0};
+    for (int i = 0; i < p->texels * p->n; i++)
+        for (int k = 0; k < TABLE_SKY_TERMS; k++) sum[k] += p->pull[i * TABLE_SKY_TERMS + k] * x[i];
+    for (int i = 0; i < p->texels * p->n; i++) y[i] += table_pulled(p, i, sum);
+}
+
+double table_pulled(const table_problem *p, int index, const double sum[TABLE_SKY_TERMS])
+{
+    const double *pull = p->pull + (size_t)index * TABLE_SKY_TERMS;
+    double y = 0;
+    for (int k = 0; k < TABLE_SKY_TERMS; k++) y += pull[k] * sum[k];
+    return y;
+}
+
 void table_apply(const table_problem *p, const double *x, double *y)
 {
     for (int t = 0; t < p->texels; t++)
         for (int k = 0; k < p->n; k++) y[t * p->n + k] = p->ridge[k] * x[t * p->n + k];
     FOR_CONSTANT_N(p->n, add_blocks(p, n, x, y));
     table_add_smoothing(p, x, y);
+    if (p->sky) add_pull(p, x, y);
 }
 
 static void add_column(const double *block, int n, int unknown, double delta, double *y)
@@ -223,7 +251,10 @@ double table_stiffness(const table_problem *p, int texel, int unknown)
 {
     double curve = smoothing_diagonal(texel % p->width, p->width) + smoothing_diagonal(texel / p->width, p->height);
     double own = p->block[(size_t)(texel * TABLE_STENCIL * p->n + unknown) * (size_t)p->n + (size_t)unknown];
-    return own + p->smooth[unknown] * curve + p->ridge[unknown];
+    double pull =
+        p->sky ? table_pulled(p, texel * p->n + unknown, p->pull + (size_t)(texel * p->n + unknown) * TABLE_SKY_TERMS)
+               : 0;
+    return own + p->smooth[unknown] * curve + p->ridge[unknown] + pull;
 }
 
 /* Inverse of a symmetric positive definite n x n matrix by Gauss-Jordan; rows without any weight give zero. */
@@ -285,7 +316,7 @@ void table_solve(table_problem *p, const double *x, double *dx)
     memset(dx, 0, size * sizeof *dx);
     apply_inverse(p, r, z);
     memcpy(d, z, size * sizeof *d);
-    double rz = dot(r, z, count), tolerance = p->n > 4 ? CG_FINE : CG_TOLERANCE, stop = tolerance * tolerance * rz;
+    double rz = dot(r, z, count), tolerance = p->n > 4 ? CG_COARSE : CG_TOLERANCE, stop = tolerance * tolerance * rz;
     for (int iteration = 0; iteration < CG_ITERATIONS && rz > stop; iteration++) {
         table_apply(p, d, q);
         double alpha = rz / dot(d, q, count);

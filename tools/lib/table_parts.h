@@ -49,7 +49,7 @@ typedef struct table_sample {
     int frame;   /* 0..TABLE_FRAMES - 1, or -1 */
     double basis[TABLE_BASES];
     double factor24;   /* (n.l / l.h)^(1/2.4): radiance^(1/2.4) = factor24 x root^(p/2.4) */
-    double root[3];    /* of pi E f_r l.h, the value to store, at most TABLE_MAX_ROOTED^(1/p) */
+    double root[3];    /* of pi E f_r l.h, the value to store, at most TABLE_MAX_ROOTED_TWO^(1/p) */
     double display[3]; /* what that root shows */
     double slope[3];   /* and how fast it changes there */
     double weight;
@@ -64,13 +64,15 @@ typedef struct table_sample {
 
 typedef struct table_samples {
     table_sample *sample; /* malloc'd */
-    size_t count;
+    size_t count, frames; /* those of sphere frames come first, those of a grid over the columns and rows behind them */
 } table_samples;
 
 /* Samples of b for t, of which all but the texels is set. FAIL_INVALID: b is not finite somewhere. */
 int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, failure *f);
 /* Find their texels again after t's size, eps or row curve changed. */
 void table_samples_place(table_samples *s, const table_asset *t);
+/* The same, with the grid where the columns are now. */
+int table_samples_regrid(table_samples *s, const brdf *b, const table_asset *t, failure *f);
 void table_samples_free(table_samples *s);
 /* Every step-th sample. */
 table_samples table_samples_thin(const table_samples *s, int step);
@@ -106,6 +108,29 @@ static inline int table_unknowns(const table_model *m)
     return 3 + m->coefficients;
 }
 
+/* Directional albedos of a BRDF at polar angles of the view of 0, 7.5, .. 82.5 degrees, and the points that add up to a
+   table's own. */
+enum { TABLE_SKY_VIEWS = 12, TABLE_SKY_TERMS = 3 * TABLE_SKY_VIEWS };
+typedef struct table_sky_point {
+    table_footprint at;
+    double t, s; /* of table_point */
+    int view;
+    double basis[TABLE_BASES];
+    double weight; /* of root^p */
+} table_sky_point;
+
+typedef struct table_sky {
+    table_sky_point *point; /* malloc'd */
+    size_t count;
+    double albedo[TABLE_SKY_VIEWS][3];
+    double scale[TABLE_SKY_VIEWS]; /* from albedo to residual: root of the view's weight over the albedo's luminance */
+    double most[3];                /* largest root of a point, at most TABLE_MAX_ROOTED_TWO^(1/p) */
+} table_sky;
+
+/* weight: of a relative error of 1, beside display errors of 1. */
+table_sky table_sky_make(const brdf *b, const table_asset *t, double weight);
+void table_sky_place(table_sky *sky, const table_asset *t);
+void table_sky_free(table_sky *sky);
 /* How strongly a solution is held back. */
 typedef struct table_hold {
     double smooth;      /* weight of second differences along u and v */
@@ -121,18 +146,26 @@ enum { TABLE_SELF, TABLE_RIGHT, TABLE_DOWN_LEFT, TABLE_DOWN, TABLE_DOWN_RIGHT, T
 typedef struct table_problem {
     const table_model *model;
     const table_samples *samples;
-    int n; /* unknowns per texel */
+    const table_sky *sky; /* NULL: albedos do not count */
+    int n;                /* unknowns per texel */
     int width, height, texels;
     double smooth[TABLE_MAX_UNKNOWNS], ridge[TABLE_MAX_UNKNOWNS];
     double *block;   /* texels x TABLE_STENCIL x n x n */
     double *rhs;     /* texels x n */
     double *inverse; /* texels x n x n: of the diagonal blocks */
+    double *pull;    /* texels x n x TABLE_SKY_TERMS: how albedos, weighted, change with x; NULL without sky */
 } table_problem;
 
-table_problem table_problem_make(const table_model *m, const table_samples *s, const table_hold *hold);
+table_problem table_problem_make(const table_model *m, const table_samples *s, const table_sky *sky,
+                                 const table_hold *hold);
+
+/* Weighted relative errors of albedos (truth - table), and in *pull (may be NULL) how the table's change with x. */
+void table_sky_residuals(const table_problem *p, const double *x, double *pull, double residual[TABLE_SKY_TERMS]);
 void table_problem_free(table_problem *p);
 
 /* Root the table draws at a sample, per channel. */
+void table_drawn_at(const table_problem *p, const table_footprint *at, const double basis[TABLE_BASES], const double *x,
+                    double root[3]);
 void table_drawn(const table_problem *p, const table_sample *s, const double *x, double root[3]);
 
 /* Add a sample whose drawn roots have the slopes and residuals given (display units, per channel). */
@@ -143,6 +176,9 @@ void table_linearize(table_problem *p, const double *x);
 
 /* y += (H + smooth R + ridge) e, e = delta at one unknown of one texel, else 0. */
 void table_apply_one(const table_problem *p, int texel, int unknown, double delta, double *y);
+
+/* Sum over albedos of pull at an unknown (texel x n + its number) x sum. */
+double table_pulled(const table_problem *p, int index, const double sum[TABLE_SKY_TERMS]);
 
 /* Diagonal of H + smooth R + ridge. */
 double table_stiffness(const table_problem *p, int texel, int unknown);
@@ -156,7 +192,8 @@ double *table_start(const table_model *m, const table_samples *s);
 
 /* x: table_unknowns(m) doubles per texel. Both solvers start from what is in x. */
 void table_solve_closed(const table_model *m, const table_samples *s, const table_hold *hold, double *x);
-void table_solve_display(const table_model *m, const table_samples *s, const table_hold *hold, int steps, double *x);
+void table_solve_display(const table_model *m, const table_samples *s, const table_sky *sky, const table_hold *hold,
+                         int steps, double *x);
 
 /* The codes of t (scales set, texels allocated) for x: the nearest ones first, then one after the other moved to where
    the linearised display error in p is least. Returns that error, comparable between scales of one x and p. */

@@ -24,7 +24,7 @@ static const double row_curve[] = {-0.8, -0.5, -0.2, 0.1, 0.6, 0.9};
 
 table_samples table_samples_thin(const table_samples *s, int step)
 {
-    table_samples out = {need_memory(s->count / (size_t)step + 1, sizeof *out.sample), 0};
+    table_samples out = {.sample = need_memory(s->count / (size_t)step + 1, sizeof *out.sample)};
     for (size_t i = 0; i < s->count; i += (size_t)step) out.sample[out.count++] = s->sample[i];
     return out;
 }
@@ -55,7 +55,7 @@ static double squared_error(const table_sample *s, const table_model *m, const d
 static double judge(const table_model *m, const table_samples *s, const double *x)
 {
     table_hold none = {0, 0, 0};
-    table_problem p = table_problem_make(m, s, &none);
+    table_problem p = table_problem_make(m, s, NULL, &none);
     double sum[TABLE_FRAMES] = {0}, pixels = 0, mean = 0, worst = 0;
     for (size_t i = 0; i < s->count; i++) {
         const table_sample *sample = &s->sample[i];
@@ -80,7 +80,7 @@ static double try_place(const table_model *m, table_samples *s, const table_asse
     table_samples_place(s, t);
     double *x = table_start(m, s), error;
     table_solve_closed(m, s, &hold, x);
-    table_solve_display(m, s, &hold, 1, x);
+    table_solve_display(m, s, NULL, &hold, 1, x);
     error = judge(m, s, x);
     free(x);
     return error;

@@ -6,6 +6,7 @@
 #include "table_parts.h"
 
 #define SWEEPS 12
+#define REACH  4.0 /* codes */
 
 /* The code of an unknown of a texel: base roots in RGB of the first layer; one layer: the coefficient in its alpha; two:
    coefficients in the second layer. The first layer's alpha then belongs to the base roots, see round_base. */
@@ -98,25 +99,52 @@ static void round_texel(table_asset *t, const table_problem *p, int texel, const
     }
 }
 
+/* What is left of the gradient: H z without albedos in gradient, their share from the sums of pull z. */
+typedef struct descent {
+    double *gradient, sky[TABLE_SKY_TERMS];
+    const double *x;
+} descent;
+
+static double slope_at(const table_problem *p, const descent *d, int index)
+{
+    return d->gradient[index] + (p->sky ? table_pulled(p, index, d->sky) : 0);
+}
+
+/* Where an unknown is wanted, not further from x than its linearised errors hold. */
+static double wanted_at(const table_problem *p, const table_asset *t, const descent *d, int texel, int unknown,
+                        double before, double stiffness)
+{
+    int index = texel * p->n + unknown;
+    double step = REACH * range_of(t, unknown) / 255, wanted = before - slope_at(p, d, index) / stiffness;
+    return p->sky ? fmin(fmax(wanted, d->x[index] - step), d->x[index] + step) : wanted;
+}
+
+static void moved_by(const table_problem *p, int texel, int unknown, double delta, descent *d)
+{
+    const double *pull = p->pull + (size_t)(texel * p->n + unknown) * TABLE_SKY_TERMS;
+    table_apply_one(p, texel, unknown, delta, d->gradient);
+    for (int k = 0; k < TABLE_SKY_TERMS && p->sky; k++) d->sky[k] += pull[k] * delta;
+}
+
 /* Move one code to where the error is least among the positive ones on the way; gradient follows. */
-static int improve(const table_problem *p, table_asset *t, int texel, int unknown, double *gradient)
+static int improve(const table_problem *p, table_asset *t, int texel, int unknown, descent *d)
 {
     double range = range_of(t, unknown);
     double stiffness = table_stiffness(p, texel, unknown);
     if (!(range > 0 && stiffness > 0)) return 0;
     uint8_t *code = code_of(t, texel, unknown);
     int old = *code;
-    double before = value_of(t, texel, unknown), wanted = before - gradient[texel * p->n + unknown] / stiffness;
+    double before = value_of(t, texel, unknown), wanted = wanted_at(p, t, d, texel, unknown, before, stiffness);
     if (unknown < 3 && t->layers == 2) wanted -= t->ymax * t->rgba[4 * texel + 3] / 255.0 * t->d[unknown];
     *code = (uint8_t)nearest(wanted, range, unknown);
     while (*code != old && !positive(t, texel)) *code = (uint8_t)(*code + (*code < old ? 1 : -1));
     if (*code == old) return 0;
-    table_apply_one(p, texel, unknown, value_of(t, texel, unknown) - before, gradient);
+    moved_by(p, texel, unknown, value_of(t, texel, unknown) - before, d);
     return 1;
 }
 
 /* The same for a texel's three base roots at once, where an alpha binds them: H has no terms between them. */
-static int improve_base(const table_problem *p, table_asset *t, int texel, double *gradient)
+static int improve_base(const table_problem *p, table_asset *t, int texel, descent *d)
 {
     uint8_t *code = t->rgba + 4 * texel, old[4], next[4];
     double before[3], wanted[3], stiffness[3], gain = 0;
@@ -124,7 +152,7 @@ static int improve_base(const table_problem *p, table_asset *t, int texel, doubl
         stiffness[k] = table_stiffness(p, texel, k);
         if (!(stiffness[k] > 0)) return 0;
         before[k] = value_of(t, texel, k);
-        wanted[k] = before[k] - gradient[texel * p->n + k] / stiffness[k];
+        wanted[k] = wanted_at(p, t, d, texel, k, before[k], stiffness[k]);
     }
     round_base(t, wanted, next);
     for (int c = 0; c < 4; c++) old[c] = code[c];
@@ -135,18 +163,18 @@ static int improve_base(const table_problem *p, table_asset *t, int texel, doubl
         for (int c = 0; c < 4; c++) code[c] = old[c];
         return 0;
     }
-    for (int k = 0; k < 3; k++) table_apply_one(p, texel, k, value_of(t, texel, k) - before[k], gradient);
+    for (int k = 0; k < 3; k++) moved_by(p, texel, k, value_of(t, texel, k) - before[k], d);
     return 1;
 }
 
-static int improve_texel(const table_problem *p, table_asset *t, int texel, double *gradient)
+static int improve_texel(const table_problem *p, table_asset *t, int texel, descent *d)
 {
     int moved = 0, first = 0;
     if (t->layers == 2) {
-        moved = improve_base(p, t, texel, gradient);
+        moved = improve_base(p, t, texel, d);
         first = 3;
     }
-    for (int k = first; k < p->n; k++) moved |= improve(p, t, texel, k, gradient);
+    for (int k = first; k < p->n; k++) moved |= improve(p, t, texel, k, d);
     return moved;
 }
 
@@ -154,16 +182,19 @@ static double settle(const table_problem *p, table_asset *t, const double *x, do
 {
     int n = p->n, count = p->texels * n;
     double *rhs = need_memory((size_t)count, sizeof *rhs), error = 0;
+    descent d = {gradient, {0}, x};
     table_add_smoothing(p, x, rhs);
     for (int i = 0; i < count; i++) rhs[i] = p->rhs[i] - rhs[i];
     for (int i = 0; i < count; i++) z[i] = value_of(t, i / n, i % n) - x[i];
     table_apply(p, z, gradient);
-    for (int i = 0; i < count; i++) gradient[i] -= rhs[i];
+    for (int i = 0; i < count && p->sky; i++)
+        for (int k = 0; k < TABLE_SKY_TERMS; k++) d.sky[k] += p->pull[i * TABLE_SKY_TERMS + k] * z[i];
+    for (int i = 0; i < count; i++) gradient[i] -= rhs[i] + (p->sky ? table_pulled(p, i, d.sky) : 0);
     for (int sweep = 0, moved = 1; sweep < SWEEPS && moved; sweep++) {
         moved = 0;
-        for (int i = 0; i < p->texels; i++) moved |= improve_texel(p, t, i, gradient);
+        for (int i = 0; i < p->texels; i++) moved |= improve_texel(p, t, i, &d);
     }
-    for (int i = 0; i < count; i++) error += (value_of(t, i / n, i % n) - x[i]) * (gradient[i] - rhs[i]) / 2;
+    for (int i = 0; i < count; i++) error += (value_of(t, i / n, i % n) - x[i]) * (slope_at(p, &d, i) - rhs[i]) / 2;
     free(rhs);
     return error;
 }

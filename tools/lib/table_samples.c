@@ -190,12 +190,13 @@ int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, 
 {
     size_t most =
         (size_t)(SPHERE_SIZE * SPHERE_SIZE / 2) * (1 + COARSE_FRAMES + FINE_FRAMES) + GRID_U * GRID_THETA * GRID_PHI;
-    table_samples s = {need_memory(most, sizeof *s.sample), 0};
+    table_samples s = {.sample = need_memory(most, sizeof *s.sample)};
     int code = add_frame(&s, b, t, 0, 0, EYE_WEIGHT, f);
     for (int k = 0; k < COARSE_FRAMES && !code; k++)
         code = add_frame(&s, b, t, 1 + k, COARSE_FIRST + COARSE_STEP * k, 1, f);
     for (int k = 0; k < FINE_FRAMES && !code; k++)
         code = add_frame(&s, b, t, 1 + COARSE_FRAMES + k, FINE_FIRST + FINE_STEP * k, 1, f);
+    s.frames = s.count;
     if (!code) code = add_grid(&s, b, t, f);
     if (!code && !s.count)
         code =
@@ -211,6 +212,13 @@ int table_samples_make(table_samples *out, const brdf *b, const table_asset *t, 
 void table_samples_place(table_samples *s, const table_asset *t)
 {
     for (size_t i = 0; i < s->count; i++) s->sample[i].at = table_filter(t, s->sample[i].t, s->sample[i].s);
+}
+
+int table_samples_regrid(table_samples *s, const brdf *b, const table_asset *t, failure *f)
+{
+    s->count = s->frames;
+    table_samples_place(s, t);
+    return add_grid(s, b, t, f);
 }
 
 void table_samples_free(table_samples *s)

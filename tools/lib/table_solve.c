@@ -28,7 +28,7 @@ double *table_start(const table_model *m, const table_samples *s)
 
 void table_solve_closed(const table_model *m, const table_samples *s, const table_hold *hold, double *x)
 {
-    table_problem p = table_problem_make(m, s, hold);
+    table_problem p = table_problem_make(m, s, NULL, hold);
     double *dx = need_memory((size_t)(p.texels * p.n), sizeof *dx);
     for (size_t i = 0; i < s->count; i++) {
         const table_sample *sample = &s->sample[i];
@@ -63,6 +63,11 @@ static double cost(const table_problem *p, const double *x, double *scratch)
     memset(scratch, 0, (size_t)count * sizeof *scratch);
     table_add_smoothing(p, x, scratch);
     for (int i = 0; i < count; i++) sum += x[i] * scratch[i];
+    if (p->sky) {
+        double residual[TABLE_SKY_TERMS];
+        table_sky_residuals(p, x, NULL, residual);
+        for (int k = 0; k < TABLE_SKY_TERMS; k++) sum += residual[k] * residual[k];
+    }
     return sum;
 }
 
@@ -81,11 +86,17 @@ void table_linearize(table_problem *p, const double *x)
         }
         table_accumulate(p, s, slope, residual);
     }
+    if (p->sky) {
+        double residual[TABLE_SKY_TERMS];
+        table_sky_residuals(p, x, p->pull, residual);
+        for (int i = 0; i < p->texels * p->n; i++) p->rhs[i] += table_pulled(p, i, residual);
+    }
 }
 
-void table_solve_display(const table_model *m, const table_samples *s, const table_hold *hold, int steps, double *x)
+void table_solve_display(const table_model *m, const table_samples *s, const table_sky *sky, const table_hold *hold,
+                         int steps, double *x)
 {
-    table_problem p = table_problem_make(m, s, hold);
+    table_problem p = table_problem_make(m, s, sky, hold);
     int count = p.texels * p.n;
     double *dx = need_memory(3 * (size_t)count, sizeof *dx), *next = dx + count, *scratch = next + count;
     double best = cost(&p, x, scratch);
@@ -130,7 +141,7 @@ static void take_leading_eigenvector(double m[9], double out[3])
 void table_weight_vectors(const table_model *m, const table_samples *s, const double *x, int count, double w[2][3])
 {
     table_hold none = {0, 0, 0};
-    table_problem p = table_problem_make(m, s, &none);
+    table_problem p = table_problem_make(m, s, NULL, &none);
     double *weight = need_memory((size_t)p.texels, sizeof *weight), sum[9] = {0};
     for (size_t i = 0; i < s->count; i++) {
         const table_sample *sample = &s->sample[i];
