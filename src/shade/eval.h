@@ -11,8 +11,8 @@
  *       shade_table_add(&eval, xy, z, count, radiance);          adds this light's radiance
  *   shade_encode(radiance, count, NACRE_OUTPUT_SRGB, rgba);       codes of the sum
  *
- * or, for the only light of a table with p = 4.8 and sRGB codes, shade_table_code at once: TABLE's display form, without
- * the curve's linear toe (at most 2.7 codes too dark near black), as shaders do that a file does not ask for it.
+ * or, for the only light of a table with p = 4.8 and sRGB codes, shade_table_code at once: TABLE's display form, with
+ * the curve's linear toe where the file asks for it (elsewhere at most 2.7 codes too dark near black), as shaders do.
  *
  * Normals are in the turned frame of shade_setup (the eye is along +z; orthographic views: view space), q14, at most 1.39
  * long. x and y share a word: x in its lower half (shade_pack_xy); z stands apart. shade_normalise makes unit normals.
@@ -53,7 +53,8 @@ typedef struct shade_table_eval {
     int16_t phi[3];             /* W / max W, q15 */
     int16_t gain, gain_code;    /* of the 4.8th root of n.l, q15, for radiance and for codes ... */
     uint8_t shift, shift_code;  /* ... and what its product with the root is shifted by */
-    uint8_t fine, power4, dark; /* dark: the light adds nothing */
+    uint8_t fine, power4, toe;  /* toe: codes have the linear toe of sRGB */
+    uint8_t dark;               /* the light adds nothing */
 } shade_table_eval;
 
 /* light: of shade_setup, form SHADE_LINEAR, persp 0. texels: both layers of the table for the fine tier, else one.

@@ -31,8 +31,12 @@ extern const uint32_t shade_lut_srgb[105];        /* 8 to an octave, from 2^3: 2
 extern const uint32_t shade_lut_inverse_root[32]; /* of 1..4 */
 extern const uint32_t shade_lut_length[65];       /* 2^14 / sqrt(x / 64), x from 16 on */
 
-#define SHADE_CODE_LOW  29412557 /* .055 x 255 x 2^21 */
-#define SHADE_CODE_MOST 23774    /* its square less SHADE_CODE_LOW is code 255; anything above is held there */
+#define SHADE_CODE_LOW 29412557 /* .055 x 255 x 2^21 */
+/* With the toe 5.75 (.0985 - c)^2 is added to c < .0985, as in shaders_gles/table.glsl: 4 (t f)^2, t = .0985 - c in steps of
+   2^14 and f this part of 2^15, f^2 = 5.75 x 2^26 / (255 x 2^21). */
+#define SHADE_CODE_TOE  52675215 /* .0985 x 255 x 2^21 */
+#define SHADE_TOE_PART  27834
+#define SHADE_CODE_MOST 23774 /* its square less SHADE_CODE_LOW is code 255; anything above is held there */
 
 EVAL_INLINE int32_t eval_x(uint32_t xy)
 {

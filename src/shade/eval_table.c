@@ -206,6 +206,7 @@ int shade_table_eval_prepare(shade_table_eval *out, uint32_t *columns, const sha
     eval.columns = columns;
     eval.fine = (uint8_t)shade_is_fine(material);
     eval.power4 = table->p == 4 * 65536;
+    eval.toe = table->toe;
     for (i = 0; i < 3; i++) {
         log2_of[i] = fx_real_log2_q16(light->linear[i]);
         if (log2_of[i] > most) most = log2_of[i];
@@ -275,13 +276,18 @@ void shade_table_add(const shade_table_eval *eval, const uint32_t *xy, const int
         add(eval, xy, z, count, radiance, 0);
 }
 
-/* y^2 (n.l)^(1/2.4) e - .055 = z^2 - .055 */
-EVAL_INLINE uint32_t code_of(int32_t root, int32_t cosine, int shift)
+/* y^2 (n.l)^(1/2.4) e - .055 = z^2 - .055, and the parabola that stands for the toe. */
+EVAL_INLINE uint32_t code_of(int32_t root, int32_t cosine, int shift, int toe)
 {
-    const int32_t z = eval_least(root * cosine >> shift, 32767);
-    const int32_t code = (z * z - SHADE_CODE_LOW + (1 << 20)) >> 21;
+    const int32_t z = eval_least(root * cosine >> shift, 32767), square = z * z;
+    int32_t code = square - SHADE_CODE_LOW + (1 << 20);
 
-    return (uint32_t)eval_clip(code, 255);
+    if (toe && square < SHADE_CODE_TOE) {
+        const int32_t below = eval_mul_q15(SHADE_TOE_PART, (SHADE_CODE_TOE - square) >> 14);
+
+        code += 4 * below * below;
+    }
+    return (uint32_t)eval_clip(code >> 21, 255);
 }
 
 EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,
@@ -298,7 +304,7 @@ EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16
             const int32_t cosine = eval_mul_q15(eval_root48(nl >> 5), e->gain_code);
             const eval_place at = eval_place_of(e, &n, nl, fine);
 
-            EVAL_CHANNELS(k) out |= code_of(eval_root(e, &at, k, fine), cosine, e->shift_code) << 8 * k;
+            EVAL_CHANNELS(k) out |= code_of(eval_root(e, &at, k, fine), cosine, e->shift_code, e->toe) << 8 * k;
         }
         rgba[i] = out;
     }

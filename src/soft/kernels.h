@@ -232,12 +232,17 @@ static void table_add(const shade_table_eval *e, const uint32_t *xy, const int16
     shade_table_add(e, xy + i, z + i, count - i, rest);
 }
 
-static inline lanes code_of(lanes root, lanes gain, int shift)
+static inline lanes code_of(lanes root, lanes gain, int shift, int toe)
 {
-    const lanes z = least(down_by(product(root, gain), shift), all(SHADE_CODE_MOST));
-    const lanes code = DOWN_SIGNED(minus(product(z, z), all(SHADE_CODE_LOW - (1 << 20))), 21);
+    const lanes z = least(down_by(product(root, gain), shift), all(SHADE_CODE_MOST)), square = product(z, z);
+    lanes code = minus(square, all(SHADE_CODE_LOW - (1 << 20)));
 
-    return most(code, all(0));
+    if (toe) {
+        const lanes below = times_q15(DOWN(most(minus(all(SHADE_CODE_TOE), square), all(0)), 14), all(SHADE_TOE_PART));
+
+        code = plus(code, UP(product(below, below), 2));
+    }
+    return most(DOWN_SIGNED(code, 21), all(0));
 }
 
 EVAL_INLINE void code(const shade_table_eval *e, const constants *c, const uint32_t *xy, const int16_t *z,
@@ -258,9 +263,9 @@ EVAL_INLINE void code(const shade_table_eval *e, const constants *c, const uint3
     }
     cosine = times_q15(root48(DOWN_SIGNED(nl, 5)), c->gain);
     roots(e, c, n, nz, nl, fine, root);
-    out = code_of(root[0], cosine, e->shift_code);
-    out = either(out, UP(code_of(root[1], cosine, e->shift_code), 8));
-    out = either(out, UP(code_of(root[2], cosine, e->shift_code), 16));
+    out = code_of(root[0], cosine, e->shift_code, e->toe);
+    out = either(out, UP(code_of(root[1], cosine, e->shift_code, e->toe), 8));
+    out = either(out, UP(code_of(root[2], cosine, e->shift_code, e->toe), 16));
     store(rgba, either(both(out, lit), opaque));
 }
 

@@ -51,8 +51,8 @@ static nacre_result set_tables(const nacre_soft *soft, soft_item *item, uint32_t
         item->lights += !table[item->lights].dark;
     }
     item->one_code = item->lights == 1 && item->output == NACRE_OUTPUT_SRGB && shade_table_has_code(table) &&
-                     !material->is.table.toe && !(item->ambient[0].m | item->ambient[1].m | item->ambient[2].m);
-    item->codes_565 = item->one_code && !shade_is_fine(material) && !soft->desc.dither &&
+                     !(item->ambient[0].m | item->ambient[1].m | item->ambient[2].m);
+    item->codes_565 = item->one_code && !shade_is_fine(material) && !material->is.table.toe && !soft->desc.dither &&
                       soft->desc.kernels->table_565 && soft->desc.format <= NACRE_SOFT_RGB565_SWAPPED;
     return NACRE_OK;
 }

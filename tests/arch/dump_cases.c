@@ -93,7 +93,8 @@ static int put_case(const frame_case *c)
     mesh shape;
     int count;
 
-    if (c->lit || c->model == CASE_PALETTE || c->model == CASE_PALETTE_BLEND) return 0; /* palettes: not drawn on the CPU */
+    if (c->lit || c->model == CASE_PALETTE || c->model == CASE_PALETTE_BLEND)
+        return 0; /* palettes: not drawn on the CPU */
     if (mesh_open(&shape, c->mesh ? c->mesh : "sphere", &f)) exit(1);
     case_asset_open(&asset, c->model, c->brdf, c->normal_map, NULL);
     case_scene(&s, c, &shape, 96, 96);

@@ -115,7 +115,7 @@ static void read_spheres(shade_material *m, const nacre_image *image)
 
 typedef struct drawn {
     uint32_t sum[COUNT], code[COUNT];
-    int has_code;
+    int has_code, toe;
 } drawn;
 
 static void draw_table(drawn *out, const ball *b, const nacre_image *image, const shade_frame *frame,
@@ -129,6 +129,7 @@ static void draw_table(drawn *out, const ball *b, const nacre_image *image, cons
     assert_true(shade_table_eval_prepare(&eval, columns, &frame->light[0], m, texels));
     shade_table_add(&eval, b->xy, b->z, b->count, radiance);
     out->has_code = shade_table_has_code(&eval);
+    out->toe = eval.toe;
     if (out->has_code) shade_table_code(&eval, b->xy, b->z, b->count, out->code);
 }
 
@@ -193,7 +194,7 @@ static void compare(case_model model, const char *name, double polar_deg, double
         exact(&a, b.normal[i], l, f);
         for (k = 0; k < 3; k++) {
             wanted[k] = srgb(f[k] * power[k]);
-            form[k] = fmax(0, fmin(1, 1.055 * pow(f[k] * power[k], 1 / 2.4) - 0.055));
+            form[k] = d.toe ? wanted[k] : fmax(0, fmin(1, 1.055 * pow(f[k] * power[k], 1 / 2.4) - 0.055));
         }
         note(&of_sum, d.sum[i], wanted);
         if (d.has_code) note(&of_code, d.code[i], form);
