@@ -47,9 +47,9 @@ static void count_textures(gl_backend backend, const char *where)
     static const struct {
         case_model model;
         const char *what;
-    } rows[] = {{CASE_TABLE, "table"},     {CASE_TABLE_P4, "table-p4"},        {CASE_TABLE_RGB, "table-rgb"},
-                {CASE_FINE, "fine"},       {CASE_SPHERES, "spheres"},          {CASE_PAPER, "paper"},
-                {CASE_QUARTER, "quarter"}, {CASE_QUARTER_ETC1, "quarter-etc1"}};
+    } rows[] = {{CASE_TABLE, "table"},     {CASE_TABLE_P4, "table-p4"},         {CASE_TABLE_RGB, "table-rgb"},
+                {CASE_FINE, "fine"},       {CASE_SPHERES, "spheres"},           {CASE_PAPER, "paper"},
+                {CASE_QUARTER, "quarter"}, {CASE_QUARTER_ETC1, "quarter-etc1"}, {CASE_PALETTE, "palette-256"}};
     gl_headless *gl;
     kit k;
     size_t i;

@@ -231,6 +231,16 @@ static void maps_on_fake(void **state)
             "ES 2.0, maps of lobes, 7 lights in passes");
 }
 
+static void palettes_on_fake(void **state)
+{
+    (void)state;
+    run_all(&(session){.model = KIT_PALETTE, .normal = 1, .lights = 1, .prepare = 1}, "ES 2.0, palette");
+    run_all(&(session){.gl = {.es = 3}, .model = KIT_BLEND, .lights = 2, .points = 1, .perspective = 1},
+            "ES 3.0, blended palette, 2 lights");
+    run_all(&(session){.model = KIT_BLEND, .lights = 7, .desc = {.max_programs = 3}},
+            "ES 2.0, blended palette, 7 lights in passes");
+}
+
 static void lit_on_fake(void **state)
 {
     (void)state;
@@ -252,6 +262,7 @@ static void on_driver(gl_backend backend, const char *what)
     run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_TABLE, .lights = 1, .prepare = 1}, what);
     run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SPHERES, .lights = 7, .lit = 1}, what);
     run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SBRDF, .lights = 1}, what);
+    run_all(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_BLEND, .lights = 1}, what);
     gl_headless_close(context);
 }
 
@@ -272,8 +283,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(on_fake_es2),  cmocka_unit_test(on_fake_es2_unprepared),
         cmocka_unit_test(on_fake_es3),  cmocka_unit_test(passes_on_fake),
-        cmocka_unit_test(maps_on_fake), cmocka_unit_test(lit_on_fake),
-        cmocka_unit_test(on_egl2),      cmocka_unit_test(on_osmesa),
+        cmocka_unit_test(maps_on_fake), cmocka_unit_test(palettes_on_fake),
+        cmocka_unit_test(lit_on_fake),  cmocka_unit_test(on_egl2),
+        cmocka_unit_test(on_osmesa),
     };
     int failed;
     kit_open(&assets);

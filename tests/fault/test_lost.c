@@ -171,6 +171,14 @@ static void at_every_call_of_maps(void **state)
     lose_all(&(session){.model = KIT_SBRDF, .lights = 7}, "ES 2.0, maps of lobes, 7 lights in passes");
 }
 
+static void at_every_call_of_palettes(void **state)
+{
+    (void)state;
+    lose_all(&(session){.model = KIT_PALETTE, .normal = 1, .lights = 1}, "ES 2.0, palette");
+    lose_all(&(session){.gl = {.es = 3}, .model = KIT_BLEND, .lights = 2}, "ES 3.0, blended palette");
+    lose_all(&(session){.model = KIT_BLEND, .lights = 7}, "ES 2.0, blended palette, 7 lights in passes");
+}
+
 static void at_every_call_of_updates(void **state)
 {
     (void)state;
@@ -260,6 +268,7 @@ static void pictures_return(gl_backend backend, const char *what)
                     what);
     picture_returns(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_SBRDF, .normal = 1, .lights = 2}, 9,
                     backend, what);
+    picture_returns(&(session){.gl = {.real = gl_headless_proc}, .model = KIT_BLEND, .lights = 2}, 9, backend, what);
 }
 
 static void pictures_return_egl2(void **state)
@@ -283,11 +292,11 @@ static void pictures_return_osmesa(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(at_every_call_es2),        cmocka_unit_test(at_every_call_es3),
-        cmocka_unit_test(at_every_call_of_passes),  cmocka_unit_test(at_every_call_of_maps),
-        cmocka_unit_test(at_every_call_of_updates), cmocka_unit_test(while_restoring),
-        cmocka_unit_test(pictures_return_egl2),     cmocka_unit_test(pictures_return_egl3),
-        cmocka_unit_test(pictures_return_osmesa),
+        cmocka_unit_test(at_every_call_es2),         cmocka_unit_test(at_every_call_es3),
+        cmocka_unit_test(at_every_call_of_passes),   cmocka_unit_test(at_every_call_of_maps),
+        cmocka_unit_test(at_every_call_of_palettes), cmocka_unit_test(at_every_call_of_updates),
+        cmocka_unit_test(while_restoring),           cmocka_unit_test(pictures_return_egl2),
+        cmocka_unit_test(pictures_return_egl3),      cmocka_unit_test(pictures_return_osmesa),
     };
     int failed;
     kit_open(&assets);

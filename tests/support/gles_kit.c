@@ -8,6 +8,7 @@
 
 #include "ktx2_write.h"
 #include "nacre_asset.h"
+#include "palette.h"
 
 /* ---- assets -------------------------------------------------------------------------------------- */
 
@@ -126,6 +127,16 @@ static void add_keys(ktx2_image *k, kit_model model)
     if (model == KIT_ETC1) ktx2_key_u32(k, NACRE_KEY_ETC1, &one, 1);
 }
 
+/* Takes the bytes over. */
+static void keep(kit *k, kit_model model, const bytes *file)
+{
+    k->file[model] = file->data;
+    if (nacre_image_open(&k->image[model], file->data, file->size)) {
+        fprintf(stderr, "gles_kit: asset %d is not valid\n", (int)model);
+        exit(70);
+    }
+}
+
 static void make_asset(kit *k, kit_model model)
 {
     static const struct {
@@ -151,11 +162,61 @@ static void make_asset(kit *k, kit_model model)
     add_keys(&image, model);
     ktx2_write(&image, &file);
     ktx2_free(&image);
-    k->file[model] = file.data;
-    if (nacre_image_open(&k->image[model], file.data, file.size)) {
-        fprintf(stderr, "gles_kit: asset %d is not valid\n", (int)model);
-        exit(70);
+    keep(k, model, &file);
+}
+
+static int is_palette(kit_model model)
+{
+    return model == KIT_PALETTE || model == KIT_INDEX || model == KIT_BLEND;
+}
+
+/* In patches of four texels; smaller levels go on with what their first texel has. */
+static void fill_index(palette *p)
+{
+    for (int level = 0; level < p->levels; level++) {
+        const int side = p->width >> level;
+        p->code[level] = need_memory((size_t)side, (size_t)side);
+        for (int i = 0; i < side * side; i++) {
+            const int x = i % side << level, y = i / side << level;
+            p->code[level][i] = (uint8_t)((x / 4 + 2 * (y / 4)) % p->count);
+        }
     }
+}
+
+static void make_palette(kit *k)
+{
+    const table_asset common = {.width = 8,
+                                .height = 5,
+                                .layers = 1,
+                                .layout = TABLE_ONE_LAYER,
+                                .e = 1.5,
+                                .ymax = 2.25,
+                                .w = {0.5, 0.25, -0.25},
+                                .p = 4,
+                                .eps = 1.0 / 256,
+                                .rows = 0.25,
+                                .albedo = {0.25, 0.5, 0.125}};
+    bytes tables = {0}, nearest = {0}, blended = {0};
+    palette p = {.count = 5, .width = 16, .height = 16, .levels = 5, .white_sky = {0.25, 0.5, 0.125}};
+    p.table = need_memory((size_t)p.count, sizeof *p.table);
+    for (int i = 0; i < p.count; i++) {
+        bytes texels = {0};
+        for (int t = 0; t < common.width * common.height; t++)
+            append_texel(&texels, NACRE_FORMAT_RGBA8, (t % common.width + 0.5) / common.width,
+                         (t / common.width + 0.5) / common.height, 2 * i);
+        p.table[i] = common;
+        p.table[i].rgba = texels.data;
+    }
+    fill_index(&p);
+    palette_write(&p, &tables, &nearest);
+    keep(k, KIT_PALETTE, &tables);
+    keep(k, KIT_INDEX, &nearest);
+    p.blend = 1;
+    tables = (bytes){0};
+    palette_write(&p, &tables, &blended);
+    bytes_free(&tables);
+    keep(k, KIT_BLEND, &blended);
+    palette_free(&p);
 }
 
 /* ---- the ball: an ellipsoid of rings --------------------------------------------------------------- */
@@ -213,7 +274,9 @@ static void make_ball(kit *k)
 void kit_open(kit *k)
 {
     memset(k, 0, sizeof *k);
-    for (int i = 0; i < KIT_MODELS; i++) make_asset(k, (kit_model)i);
+    for (int i = 0; i < KIT_MODELS; i++)
+        if (!is_palette((kit_model)i)) make_asset(k, (kit_model)i);
+    make_palette(k);
     make_ball(k);
 }
 
@@ -234,6 +297,10 @@ nacre_material kit_material(const kit *k, kit_model model, int normal)
         m.image[NACRE_ROLE_ALBEDO] = &k->image[KIT_SBRDF];
         m.image[NACRE_ROLE_LOBES] = &k->image[KIT_LOBES];
         m.image[NACRE_ROLE_POWER] = &k->image[KIT_POWER];
+    } else if (is_palette(model)) {
+        m.model = NACRE_MODEL_PALETTE;
+        m.image[NACRE_ROLE_PALETTE] = &k->image[KIT_PALETTE];
+        m.image[NACRE_ROLE_INDEX] = &k->image[model == KIT_BLEND ? KIT_BLEND : KIT_INDEX];
     } else {
         m.model = model == KIT_TABLE || model == KIT_FINE ? NACRE_MODEL_TABLE : NACRE_MODEL_SPHERES;
         m.image[m.model == NACRE_MODEL_TABLE ? NACRE_ROLE_TABLE : NACRE_ROLE_SPHERES] = &k->image[model];

@@ -19,6 +19,9 @@ typedef enum kit_model {
     KIT_SBRDF,   /* maps of 16 x 16, 5 levels: diffuse albedo, */
     KIT_LOBES,   /* three lobes with a direction, */
     KIT_POWER,   /* and x^n, 32 x 16 */
+    KIT_PALETTE, /* five tables of 8 x 5 in tiles, and maps of 16 x 16, 5 levels: */
+    KIT_INDEX,   /* by the nearest texel, */
+    KIT_BLEND,   /* and between four */
     KIT_NORMAL,  /* 8 x 8 normal map, RGB8 */
     KIT_MODELS
 } kit_model;
@@ -32,7 +35,8 @@ typedef struct kit {
 
 void kit_open(kit *k);
 void kit_close(kit *k);
-/* normal: 1 with the normal map. */
+/* normal: 1 with the normal map. KIT_SBRDF takes its other maps along, KIT_PALETTE the map of nearest texels, KIT_BLEND the
+   tables. */
 nacre_material kit_material(const kit *k, kit_model model, int normal);
 /* lights: 0..8 of a fixed set, the last `points` of them point lights. The view keeps pointing to a static array. */
 nacre_view kit_view(int lights, int points, int perspective);
