@@ -106,9 +106,9 @@ nacre_result nacre_gles_prepare(nacre_gles *gles, nacre_gles_item item, const na
 /* Draw. Puts back every GL state it changes (see host_resets_state). Framebuffer, viewport, blend, depth, stencil, masks
    and cull are the caller's; where there are no vertex arrays, instance divisors of arrays 0..3 must be 0. Alpha is
    written as 1; SBRDF: as the opacity of the texel, for the caller's blending.
-   Lights that one program can't hold on this device (uniform vectors, texture units; GLSL ES 1.00 programs
-   hold 4 lights of SBRDF and of a blended palette (2 with directions per pixel) and, with directions per pixel, 4 of a table, 2 of spheres, 1 of spheres with the cosine in the
-   image) are drawn in passes
+   Lights that one program can't hold on this device (uniform vectors, texture units; GLSL ES 1.00 programs hold 6 lights of
+   a fine table, 4 of SBRDF and of a blended palette; with directions per pixel 4 of a table, fine or not, of a palette and of
+   SBRDF, 2 of a blended palette and of spheres, 1 of spheres with the cosine in the image) are drawn in passes
    through render targets of nacre's own, as large as the viewport (18 bytes a pixel, counted in texture_budget, kept
    until the viewport changes). They hold linear sums at 16 bits a channel, up to 1 (NACRE_OUTPUT_LINEAR: 16), for the
    nearest surface of the item at each pixel, by a depth buffer of their own (projections, and a glDepthRange, that let

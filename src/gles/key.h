@@ -92,9 +92,9 @@ shade_form gles_key_form(const gles_key *key);
 
 /* Most lights (1..8, or 0 if not even one) that a program like key can take on a device with so many fragment uniform
    vectors and texture units; pass is a gles_key_pass (with one: 1, 2 or 4, of a sphere also 8); the key's own lights and pass are ignored.
-   GLSL ES 1.00 programs stop at 6 lights (fine tables), 4 (tables under persp, sbrdf, blended palettes; those under persp 2), 2 (spheres, quarter) or 1 (paper) of those under
-   persp: more would be refused by compilers
-   of ES 2.0 GPUs. */
+   GLSL ES 1.00 programs stop at fewer, because compilers of ES 2.0 GPUs would refuse more. Under dist: 6 lights (fine), 4
+   (sbrdf, blended palettes); under persp: 4 (tables, fine, palettes, sbrdf), 2 (blended palettes, spheres, quarter) or 1
+   (paper). */
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units);
 
 /* Every key that can arise with 8 texture units, in a fixed order; returns the number, writes up to count keys. */
