@@ -105,7 +105,7 @@ FX_APART static void bend(const mapped *m, int32_t x, int32_t y, const texture_p
     b[0] = (n[1] * t[2] - n[2] * t[1]) >> 14;
     b[1] = (n[2] * t[0] - n[0] * t[2]) >> 14;
     b[2] = (n[0] * t[1] - n[1] * t[0]) >> 14;
-    soft_sample(&m->item->normal_map, 1, place->u, place->v, code);
+    soft_sample(&m->item->normal_map, 1, place->u, place->v, 0, code);
     /* 2 code / 255 - 1, q13: codes are x 65536 */
     for (i = 0; i < 3; i++) part[i] = (int32_t)(((int64_t)code[0][i] * 2 - 255 * 65536) * 8192 / 65536 * 257 >> 16);
     for (i = 0; i < 3; i++)
@@ -128,7 +128,7 @@ static int32_t opacity(const mapped *m, const texture_place *place, shade_sbrdf_
 
     if (m->item->sbrdf) soft_sbrdf_sample(m->item, place->u, place->v, place->rate, codes);
     if (!mask->texels) return m->item->sbrdf ? codes[0][3] : alpha[0][3];
-    soft_sample(mask, 1, place->u, place->v, alpha);
+    soft_sample(mask, 1, place->u, place->v, 0, alpha);
     return alpha[0][mask->channels == 2 ? 1 : 3];
 }
 

@@ -30,7 +30,7 @@ static place place_of(int32_t uv_q27, uint32_t size, unsigned flags)
     return p;
 }
 
-void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t v_q27, int32_t (*out)[4])
+void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t v_q27, int32_t share, int32_t (*out)[4])
 {
     const place x = place_of(u_q27, t->width, t->flags), y = place_of(v_q27, t->height, t->flags);
     const uint32_t row = (uint32_t)t->width * t->channels;
@@ -43,6 +43,8 @@ void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t 
             const int32_t upper = top[a] * 256 + (top[b] - top[a]) * x.f;
             const int32_t lower = low[a] * 256 + (low[b] - low[a]) * x.f;
 
-            (*out)[i] = upper * 256 + (lower - upper) * y.f;
+            const int32_t code = upper * 256 + (lower - upper) * y.f;
+
+            (*out)[i] = share ? (*out)[i] + ((code - (*out)[i]) >> 8) * share : code;
         }
 }

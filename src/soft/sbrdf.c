@@ -4,8 +4,9 @@
 #include "eval_inner.h"
 #include "soft.h"
 
-/* Albedo and lobes of one level. */
-static void sample_level(const soft_item *item, unsigned level, int32_t u, int32_t v, shade_sbrdf_codes out)
+/* Albedo and lobes of one level; share as of soft_sample. */
+static void sample_level(const soft_item *item, unsigned level, int32_t u, int32_t v, int32_t share,
+                         shade_sbrdf_codes out)
 {
     const nacre_image *const image = item->albedo;
     soft_texture t;
@@ -15,9 +16,9 @@ static void sample_level(const soft_item *item, unsigned level, int32_t u, int32
     t.channels = 4;
     t.flags = item->texture_flags;
     t.texels = image->bytes + image->level_offset[level];
-    soft_sample(&t, 1, u, v, out);
+    soft_sample(&t, 1, u, v, share, out);
     t.texels = item->lobes->bytes + item->lobes->level_offset[level];
-    soft_sample(&t, item->lobes->layers, u, v, out + 1);
+    soft_sample(&t, item->lobes->layers, u, v, share, out + 1);
 }
 
 /* log2 of the texels of level 0 that a pixel steps over, q12, within what levels there are. */
@@ -36,14 +37,9 @@ void soft_sbrdf_sample(const soft_item *item, int32_t u_q27, int32_t v_q27, uint
     const int nearest = (item->texture_flags & SOFT_NEAREST) != 0;
     const int32_t lod = level_of(item, rate_q27) + (nearest ? 2048 : 0), part = lod & 4095;
     const unsigned level = (unsigned)lod >> 12;
-    shade_sbrdf_codes next;
-    unsigned i, k;
 
-    sample_level(item, level, u_q27, v_q27, out);
-    if (nearest || !part) return;
-    sample_level(item, level + 1, u_q27, v_q27, next);
-    for (i = 0; i <= item->lobes->layers; i++)
-        for (k = 0; k < 4; k++) out[i][k] += ((next[i][k] - out[i][k]) >> 8) * (part >> 4);
+    sample_level(item, level, u_q27, v_q27, 0, out);
+    if (!nearest && part >> 4) sample_level(item, level + 1, u_q27, v_q27, part >> 4, out);
 }
 
 FX_APART static void set_point(shade_sbrdf_point *out, const soft_item *item, const soft_pixels *from, uint32_t at,

@@ -205,8 +205,10 @@ void soft_detail_of(const soft_item *item, uint32_t index, soft_detail *out);
 void soft_draw_mapped(const soft_item *item, const soft_vertex *const corner[3], const soft_detail *const detail[3],
                       const soft_pixels *to, unsigned index);
 
-/* sample.c: codes x 65536 at u v (q27 a repetition; rows from the top) of some layers, one behind the other in memory */
-void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t v_q27, int32_t (*out)[4]);
+/* sample.c: codes x 65536 at u v (q27 a repetition; rows from the top) of some layers, one behind the other in memory.
+   share: 0, or how much of 256 they are of what *out holds already */
+void soft_sample(const soft_texture *t, unsigned layers, int32_t u_q27, int32_t v_q27, int32_t share,
+                 int32_t (*out)[4]);
 
 /* sbrdf.c */
 /* Texel of a material that varies. rate: the most that u or v changes a pixel. */
