@@ -203,6 +203,7 @@ static void on_fake_es2_unprepared(void **state)
 {
     (void)state;
     run_all(&(session){.model = KIT_FINE, .lights = 2, .points = 1, .perspective = 1}, "ES 2.0, fine table, 2 lights");
+    run_all(&(session){.model = KIT_EARLY, .lights = 1}, "ES 2.0, fine table of an early file");
 }
 
 static void on_fake_es3(void **state)

@@ -121,7 +121,7 @@ static void draw(kit_world *w, nacre_gles_item item, const nacre_view *view)
 
 /* ---- files ------------------------------------------------------------------------------------------ */
 
-static const kit_model models[] = {KIT_TABLE, KIT_FINE, KIT_SPHERES, KIT_PAPER, KIT_QUARTER};
+static const kit_model models[] = {KIT_TABLE, KIT_FINE, KIT_EARLY, KIT_SPHERES, KIT_PAPER, KIT_QUARTER};
 
 /* Some numbers of the file's keys, each written over; put back by restore. */
 static void spoil(kit_model model)

@@ -155,6 +155,7 @@ static void at_every_call_es3(void **state)
 {
     (void)state;
     lose_all(&(session){.gl = {.es = 3}, .model = KIT_TABLE, .normal = 1, .lights = 2}, "ES 3.0");
+    lose_all(&(session){.gl = {.es = 3}, .model = KIT_EARLY, .lights = 2}, "ES 3.0, fine table of an early file");
 }
 
 static void at_every_call_of_passes(void **state)

@@ -92,6 +92,24 @@ static int is_map(kit_model model)
     return model == KIT_SBRDF || model == KIT_LOBES || model == KIT_POWER;
 }
 
+static int is_table(kit_model model)
+{
+    return model == KIT_TABLE || model == KIT_FINE || model == KIT_EARLY;
+}
+
+static void add_table_keys(ktx2_image *k, kit_model model)
+{
+    /* E, Ymax, W, p, eps, K1, K2, B; fine: D, V, K4 */
+    static const double plain[10] = {1.5, 2.25, 0.5, 0.25, -0.25, 4.8, 1.0 / 256, 0, 0, 0.3},
+                        early[9] = {1.5, 2.25, 0, 0, 0, 4, 1.0 / 256, 0.5, 0.25},
+                        fine[17] = {1.5, 2.25, 0.5, 0.25, -0.25, 4,   1.0 / 256, 0,    0.25,
+                                    0.5, 0.25, 0.1, 0.2,  -0.25, 0.5, 0.25,      0.125};
+    ktx2_key_text(k, NACRE_KEY_ROLE, "table");
+    if (model == KIT_TABLE) ktx2_key_q16(k, NACRE_KEY_TABLE, plain, 10);
+    if (model == KIT_EARLY) ktx2_key_q16(k, NACRE_KEY_TABLE, early, 9);
+    if (model == KIT_FINE) ktx2_key_q16(k, NACRE_KEY_TABLE, fine, 17);
+}
+
 static void add_keys(ktx2_image *k, kit_model model)
 {
     static const double albedo[3] = {0.25, 0.5, 0.125}, f_scale[3] = {20, 12.5, 5}, e[3] = {0.5, 0.5, 0.5};
@@ -106,13 +124,8 @@ static void add_keys(ktx2_image *k, kit_model model)
         add_map_keys(k, model);
         return;
     }
-    if (model == KIT_TABLE || model == KIT_FINE) {
-        const double fine = model == KIT_FINE;
-        const double table[9] = {
-            1.5,       2.25,       fine ? 0 : 0.5, fine ? 0 : 0.25, fine ? 0 : -0.25, fine ? 4 : 4.8,
-            1.0 / 256, 0.5 * fine, 0.25 * fine};
-        ktx2_key_text(k, NACRE_KEY_ROLE, "table");
-        ktx2_key_q16(k, NACRE_KEY_TABLE, table, 9);
+    if (is_table(model)) {
+        add_table_keys(k, model);
         return;
     }
     ktx2_key_text(k, NACRE_KEY_ROLE, "spheres");
@@ -147,7 +160,7 @@ static void make_asset(kit *k, kit_model model)
         [KIT_ETC1] = {NACRE_FORMAT_ETC2_RGB8, 16, 16, 3, 5}, [KIT_RGB565] = {NACRE_FORMAT_RGB565, 20, 12, 5, 2},
         [KIT_QUARTER] = {NACRE_FORMAT_RGB8, 16, 16, 5, 1},   [KIT_NORMAL] = {NACRE_FORMAT_RGB8, 8, 8, 0, 4},
         [KIT_SBRDF] = {NACRE_FORMAT_RGBA8, 16, 16, 0, 5},    [KIT_LOBES] = {NACRE_FORMAT_RGBA8, 16, 16, 6, 5},
-        [KIT_POWER] = {NACRE_FORMAT_R8, 32, 16, 0, 1},
+        [KIT_POWER] = {NACRE_FORMAT_R8, 32, 16, 0, 1},       [KIT_EARLY] = {NACRE_FORMAT_RGBA8, 8, 5, 2, 1},
     };
     ktx2_image image;
     bytes file = {0};
@@ -302,7 +315,7 @@ nacre_material kit_material(const kit *k, kit_model model, int normal)
         m.image[NACRE_ROLE_PALETTE] = &k->image[KIT_PALETTE];
         m.image[NACRE_ROLE_INDEX] = &k->image[model == KIT_BLEND ? KIT_BLEND : KIT_INDEX];
     } else {
-        m.model = model == KIT_TABLE || model == KIT_FINE ? NACRE_MODEL_TABLE : NACRE_MODEL_SPHERES;
+        m.model = is_table(model) ? NACRE_MODEL_TABLE : NACRE_MODEL_SPHERES;
         m.image[m.model == NACRE_MODEL_TABLE ? NACRE_ROLE_TABLE : NACRE_ROLE_SPHERES] = &k->image[model];
     }
     if (normal) m.image[NACRE_ROLE_NORMAL] = &k->image[KIT_NORMAL];

@@ -16,6 +16,7 @@ typedef enum kit_model {
     KIT_ETC1,    /* spheres of ETC1 blocks */
     KIT_RGB565,  /* spheres, 5 layers of 20 x 12, mips cut short */
     KIT_QUARTER, /* spheres, 5 quarters of 16 x 16, RGB8 */
+    KIT_EARLY,   /* as KIT_FINE, a file of nine numbers */
     KIT_SBRDF,   /* maps of 16 x 16, 5 levels: diffuse albedo, */
     KIT_LOBES,   /* three lobes with a direction, */
     KIT_POWER,   /* and x^n, 32 x 16 */
