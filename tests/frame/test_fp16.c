@@ -2,10 +2,10 @@
 /*
  * Small GPUs compute fragments in fp16. Every material is drawn so and in fp32, from the same file by the same driver.
  * The aim: at most 4 codes apart on 99.9 % of the covered pixels of the common metric's frames (light polar angles over
- * 0..165 degrees, its irradiance and exposure), pooled as its figures are. Three metallic paints miss it by up to 0.03 %
- * of the pixels (of all 281 sets eight, by up to 0.08 %): most of those are one code of a filtered texel off, which is 5
- * codes of the picture where white is far below a material's highest value. How many must reach it, and how far the
- * others and the frames of four lights and of a near eye may be off, is held here.
+ * 0..165 degrees, its irradiance and exposure), pooled as its figures are. Three metallic paints miss it by up to 0.02 %
+ * of the pixels (of all 281 sets eleven, by up to 0.11 %, which is more than is held here): most of those are one code of
+ * a filtered texel off, which is 5 codes of the picture where white is far below a material's highest value. How many must
+ * reach it, and how far the others and the frames of four lights and of a near eye may be off, is held here.
  * NACRE_LONG=1: all embedded parameter sets, not only the measured ones' SGD fits.
  */
 #include <math.h>
@@ -28,7 +28,7 @@ enum { SIZE = 96, FRAME_BYTES = SIZE * SIZE * 4, FP32 = 0, FP16 = 4, MOST = 400 
 
 /* Parts of the pixels that may be more than 4 codes off. */
 #define TARGET          0.001
-#define WORST           0.0018 /* of two-layer-gold from near: 10 of 6,140 pixels */
+#define WORST           0.0017 /* 10 of 6,140 pixels, two-layer-gold from near: none is more than 5 codes off */
 #define REACHED_PERCENT 97
 
 /* What each material is drawn in, in this order. */
