@@ -17,6 +17,7 @@ for t in "$build"/sanitize/tests/unit/test_* "$build"/sanitize/tests/fault/test_
 done
 export NACRE_TOOL=$build/release/nacre
 run sh tests/budget/check_symbols.sh "$build"
+run sh tests/budget/left_out.sh "$build"
 for t in "$build"/release/tests/fault/test_* "$build"/release/tests/frame/test_* "$build"/release/tests/budget/test_* \
     "$build"/release/tests/unit/test_*; do
     case $t in *.o | *.d) continue ;; esac
