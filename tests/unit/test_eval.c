@@ -225,8 +225,8 @@ static void tables(void **state)
     (void)state;
     for (i = 0; i < sizeof names / sizeof *names; i++)
         for (k = 0; k < sizeof polar / sizeof *polar; k++) {
-            compare(CASE_TABLE, names[i], polar[k], 40, k & 1 ? bright : power, 1.5);
-            compare(CASE_FINE, names[i], polar[k], 100, power, 1.5);
+            compare(CASE_TABLE, names[i], polar[k], 40, k & 1 ? bright : power, 1.1);
+            compare(CASE_FINE, names[i], polar[k], 100, power, 1.25);
         }
     compare(CASE_TABLE_P4, names[0], 35, 40, power, 1.25);
     compare(CASE_TABLE_RGB, names[1], 35, 240, power, 1.25);
