@@ -291,7 +291,7 @@ EVAL_INLINE uint32_t code_of(int32_t root, int32_t cosine, int shift, int toe)
 }
 
 EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16_t *z, int count, uint32_t *rgba,
-                      int fine)
+                      int fine, int toe)
 {
     int i, k;
 
@@ -304,7 +304,7 @@ EVAL_INLINE void code(const shade_table_eval *e, const uint32_t *xy, const int16
             const int32_t cosine = eval_mul_q15(eval_root48(nl >> 5), e->gain_code);
             const eval_place at = eval_place_of(e, &n, nl, fine);
 
-            EVAL_CHANNELS(k) out |= code_of(eval_root(e, &at, k, fine), cosine, e->shift_code, e->toe) << 8 * k;
+            EVAL_CHANNELS(k) out |= code_of(eval_root(e, &at, k, fine), cosine, e->shift_code, toe) << 8 * k;
         }
         rgba[i] = out;
     }
@@ -316,8 +316,10 @@ void shade_table_code(const shade_table_eval *eval, const uint32_t *xy, const in
 
     if (eval->dark)
         for (i = 0; i < count; i++) rgba[i] = 255u << 24;
+    else if (eval->toe)
+        code(eval, xy, z, count, rgba, SHADE_HAS_FINE && eval->fine, 1);
     else if (SHADE_HAS_FINE && eval->fine)
-        code(eval, xy, z, count, rgba, 1);
+        code(eval, xy, z, count, rgba, 1, 0);
     else
-        code(eval, xy, z, count, rgba, 0);
+        code(eval, xy, z, count, rgba, 0, 0);
 }
