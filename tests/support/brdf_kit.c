@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include <math.h>
+#include <omp.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -24,6 +25,23 @@ sphere_asset bake_spheres(const char *name, const sphere_options *options)
     if (sphere_bake(&s, b, options, &f)) fail_msg("%s: %s", name, f.text);
     brdf_close(b);
     return s;
+}
+
+void assert_spheres_need_no_threads(const char *name, const sphere_options *options)
+{
+    bytes file[2] = {{0}};
+    const int threads = omp_get_max_threads();
+    for (int i = 0; i < 2; i++) {
+        omp_set_num_threads(i ? 3 : 1);
+        sphere_asset s = bake_spheres(name, options);
+        sphere_write(&s, &file[i]);
+        sphere_free(&s);
+    }
+    omp_set_num_threads(threads);
+    assert_int_equal(file[0].size, file[1].size);
+    assert_memory_equal(file[0].data, file[1].data, file[0].size);
+    bytes_free(&file[0]);
+    bytes_free(&file[1]);
 }
 
 double random_unit(uint32_t *state)

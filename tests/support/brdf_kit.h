@@ -12,6 +12,9 @@
 brdf *open_name(const char *name);                                          /* brdf_close() */
 sphere_asset bake_spheres(const char *name, const sphere_options *options); /* sphere_free() */
 
+/* The same file is written whatever the number of threads. */
+void assert_spheres_need_no_threads(const char *name, const sphere_options *options);
+
 double random_unit(uint32_t *state); /* in [0, 1), 24 bits */
 /* Unit vector above the horizon (z >= 0), uniform over the hemisphere. */
 void random_direction(uint32_t *state, double d[3]);

@@ -2,7 +2,6 @@
 /* Quartered spheres: coordinates in closed form, a decoding of our own from the texels, what the symmetry promises, set-up in
    integers, accuracy. */
 #include <math.h>
-#include <omp.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -256,19 +255,7 @@ static void accuracy(void **state)
 static void deterministic(void **state)
 {
     (void)state;
-    bytes file[2] = {{0}};
-    int threads = omp_get_max_threads();
-    for (int i = 0; i < 2; i++) {
-        omp_set_num_threads(i ? 3 : 1);
-        sphere_asset s = bake_spheres("sgd:chrome", &(sphere_options){.size = 16});
-        sphere_write(&s, &file[i]);
-        sphere_free(&s);
-    }
-    omp_set_num_threads(threads);
-    assert_int_equal(file[0].size, file[1].size);
-    assert_memory_equal(file[0].data, file[1].data, file[0].size);
-    bytes_free(&file[0]);
-    bytes_free(&file[1]);
+    assert_spheres_need_no_threads("sgd:chrome", &(sphere_options){.size = 16});
 }
 
 int main(void)
