@@ -321,7 +321,9 @@ static int make_preview(const request *r, result *out, failure *f)
     image_u8 sheet;
     if (!r->preview) return FAIL_NONE;
     sbrdf_view_levels(&out->map, out->view, &sheet);
-    int code = png_write(r->preview, &sheet, f);
+    image_u8 labelled = sbrdf_view_label(&sheet, out->view);
+    int code = png_write(r->preview, &labelled, f);
+    image_u8_free(&labelled);
     image_u8_free(&sheet);
     return code;
 }

@@ -2,10 +2,12 @@
 #include "sbrdf_view.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "metric.h"
+#include "sheet.h"
 #include "vec3.h"
 
 /* The sheet is -1..1 in x and y at z = 0. */
@@ -89,23 +91,23 @@ static double psnr(const sheet_view *v, int kind, double scale)
     return metric_psnr(sum / (double)count);
 }
 
-static void draw(const sheet_view *v, int row, double scale, image_u8 *sheet)
+static void draw(const sheet_view *v, int row, double scale, image_u8 *pictures)
 {
     int width = v->width * v->side, height = v->height * v->side;
     for (int kind = 0; kind < KINDS; kind++)
         for (int y = 0; y < height; y++)
             for (int x = 0; x < width; x++) {
                 size_t from = 3 * ((size_t)(y / v->side) * (size_t)v->width + (size_t)(x / v->side));
-                size_t to = 3 * ((size_t)(row * height + y) * (size_t)sheet->width + (size_t)(kind * width + x));
-                for (size_t c = 0; c < 3; c++) sheet->texel[to + c] = (uint8_t)coded(v, kind, from + c, scale);
+                size_t to = 3 * ((size_t)(row * height + y) * (size_t)pictures->width + (size_t)(kind * width + x));
+                for (size_t c = 0; c < 3; c++) pictures->texel[to + c] = (uint8_t)coded(v, kind, from + c, scale);
             }
 }
 
-void sbrdf_view_levels(const sbrdf_map *m, sbrdf_view view[SBRDF_VIEWS], image_u8 *sheet)
+void sbrdf_view_levels(const sbrdf_map *m, sbrdf_view view[SBRDF_VIEWS], image_u8 *pictures)
 {
-    if (sheet) {
-        *sheet = image_u8_make(KINDS * m->width, SBRDF_VIEWS * m->height, 3);
-        memset(sheet->texel, 0, (size_t)sheet->width * (size_t)sheet->height * 3);
+    if (pictures) {
+        *pictures = image_u8_make(KINDS * m->width, SBRDF_VIEWS * m->height, 3);
+        memset(pictures->texel, 0, (size_t)pictures->width * (size_t)pictures->height * 3);
     }
     for (int i = 0; i < SBRDF_VIEWS; i++) {
         sheet_view v = {.m = m, .level = 2 + i, .side = 4 << i};
@@ -118,7 +120,54 @@ void sbrdf_view_levels(const sbrdf_map *m, sbrdf_view view[SBRDF_VIEWS], image_u
         shade(&v);
         double scale = exposure(&v);
         view[i] = (sbrdf_view){v.side, psnr(&v, LEVEL, scale), psnr(&v, CODES, scale)};
-        if (sheet) draw(&v, i, scale, sheet);
+        if (pictures) draw(&v, i, scale, pictures);
         for (int k = 0; k < KINDS; k++) free(v.radiance[k]);
     }
+}
+
+/* One picture of the bare sheet, opaque. */
+static image_u8 cut(const image_u8 *pictures, int column, int row)
+{
+    image_u8 out = image_u8_make(pictures->width / KINDS, pictures->height / SBRDF_VIEWS, 4);
+    for (int y = 0; y < out.height; y++)
+        for (int x = 0; x < out.width; x++) {
+            size_t from =
+                3 * ((size_t)(row * out.height + y) * (size_t)pictures->width + (size_t)(column * out.width + x));
+            uint8_t *to = out.texel + 4 * ((size_t)y * (size_t)out.width + (size_t)x);
+            memcpy(to, pictures->texel + from, 3);
+            to[3] = 255;
+        }
+    return out;
+}
+
+image_u8 sbrdf_view_label(const image_u8 *pictures, const sbrdf_view view[SBRDF_VIEWS])
+{
+    static const char *const heads[KINDS] = {"supersampled", "its level", "means of codes"};
+    const int least = 176; /* pixels that the widest name needs */
+    const sheet_layout layout = {.title = "From afar: levels that were fitted, and means of codes",
+                                 .columns = KINDS,
+                                 .rows = SBRDF_VIEWS,
+                                 .cell_width = pictures->width / KINDS > least ? pictures->width / KINDS : least,
+                                 .cell_height = pictures->height / SBRDF_VIEWS,
+                                 .row_label_width = 120,
+                                 .has_captions = 1,
+                                 .has_heads = 1};
+    sheet labelled = sheet_begin(&layout);
+    for (int k = 0; k < KINDS; k++) sheet_head(&labelled, k, heads[k]);
+    for (int i = 0; i < SBRDF_VIEWS; i++) {
+        char text[32];
+        if (!view[i].factor) continue;
+        snprintf(text, sizeof text, "1/%d of\nthe size", view[i].factor);
+        sheet_row_label(&labelled, i, text);
+        for (int k = 0; k < KINDS; k++) {
+            image_u8 picture = cut(pictures, k, i);
+            sheet_place(&labelled, k, i, &picture);
+            image_u8_free(&picture);
+        }
+        snprintf(text, sizeof text, "%.1f dB", view[i].level_psnr);
+        sheet_caption(&labelled, LEVEL, i, text);
+        snprintf(text, sizeof text, "%.1f dB", view[i].average_psnr);
+        sheet_caption(&labelled, CODES, i, text);
+    }
+    return labelled.picture;
 }

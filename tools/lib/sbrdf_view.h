@@ -15,8 +15,10 @@ typedef struct sbrdf_view {
     double average_psnr; /* ... and by means of the codes of level 0, as a GPU would make them */
 } sbrdf_view;
 
-/* Fills view; those whose level the map lacks have factor 0. sheet (may be NULL) receives a picture, a row per factor:
+/* Fills view; those whose level the map lacks have factor 0. pictures (may be NULL) receives a row of three per factor:
    supersampled, the level, means of codes. Pixels are as large as what they cover. */
-void sbrdf_view_levels(const sbrdf_map *m, sbrdf_view view[SBRDF_VIEWS], image_u8 *sheet);
+void sbrdf_view_levels(const sbrdf_map *m, sbrdf_view view[SBRDF_VIEWS], image_u8 *pictures);
+/* The same pictures with names above, sizes beside and dB below them. */
+image_u8 sbrdf_view_label(const image_u8 *pictures, const sbrdf_view view[SBRDF_VIEWS]);
 
 #endif

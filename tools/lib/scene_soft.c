@@ -19,6 +19,12 @@ static int check(nacre_result r, const char *what, failure *f)
     return r == NACRE_OK ? FAIL_NONE : fail(f, code, "%s: %s", what, nacre_result_text(r));
 }
 
+/* Of the line that says what can't be drawn. */
+static const char *subject_of(const nacre_material *material)
+{
+    return material->model == NACRE_MODEL_PALETTE ? "palettes by the CPU renderer" : "the CPU renderer";
+}
+
 const nacre_soft_kernels *scene_soft_kernels(const char *name)
 {
     const int best = !strcmp(name, "best");
@@ -83,7 +89,7 @@ static int draw_items(const scene *s, const nacre_view *view, const nacre_soft_i
     code = check(nacre_soft_init(&soft, block, nacre_soft_size(&desc), &desc), "nacre_soft_init", f);
     if (!code) {
         nacre_soft_scissor(soft, 0, y0, s->width, y1);
-        code = check(nacre_soft_prepare(soft, items, count, view), "nacre_soft_prepare", f);
+        code = check(nacre_soft_prepare(soft, items, count, view), subject_of(items[0].material), f);
     }
     if (!code) code = check(draw_bands(soft, &desc, y0, y1, out), "nacre_soft_band", f);
     free(block);
@@ -120,7 +126,8 @@ static int make_lit(nacre_soft_lit *out, const scene *s, const nacre_view *view,
     if (!s->distant && !s->lit_size) return FAIL_NONE;
     texels = need_memory((size_t)desc.size * desc.size, 4);
     scratch = need_memory(1, scratch_size);
-    code = check(nacre_soft_lit_rows(&desc, texels, 0, desc.size, scratch, scratch_size), "nacre_soft_lit_rows", f);
+    code = check(nacre_soft_lit_rows(&desc, texels, 0, desc.size, scratch, scratch_size),
+                 "a lit sphere of this material on the CPU", f);
     free(scratch);
     *out = (nacre_soft_lit){texels, desc.size};
     return code;
