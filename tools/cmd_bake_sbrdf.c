@@ -169,12 +169,15 @@ static int read_field(const request *r, sbrdf_field *field, sbrdf_sources *sourc
 
 static int report_clamped(const request *r, const sbrdf_clamped *c, const char *name, failure *f)
 {
+    const char *lobes = r->source ? name : "--lobe"; /* of maps the counts are those of all lobes */
     int code = FAIL_NONE;
-    if (c->exponents) code = warn(r, f, "%s: %ld exponents outside 0..255, clamped", name, c->exponents);
+    if (c->exponents) code = warn(r, f, "%s: %ld exponents outside 0..255, clamped", lobes, c->exponents);
     if (!code && c->shapes)
-        code = warn(r, f, "%s: %ld shapes with |C| above %g of the largest sum, clamped%s", name, c->shapes, r->range,
+        code = warn(r, f, "%s: %ld shapes with |C| above %g of the largest sum, clamped%s", lobes, c->shapes, r->range,
                     r->range < 2 ? " (--range 2 holds more)" : "");
-    if (!code && c->albedos) code = warn(r, f, "%s: %ld albedos outside 0..32767, clamped", name, c->albedos);
+    if (!code && c->albedos)
+        code =
+            warn(r, f, "%s: %ld albedos outside 0..32767, clamped", r->source ? name : "--albedo, --lobe", c->albedos);
     return code;
 }
 

@@ -323,7 +323,7 @@ static void clamping_is_counted_and_strict_refuses(void **state)
     shell_outcome o = shell_run("nacre bake sbrdf --albedo albedo.pfm --lobe ks.pfm,c.pfm,sharp.pfm -o y.ktx2");
     assert_int_equal(o.code, 0);
     assert_int_equal(o.lines, 1);
-    assert_non_null(strstr(o.text, "warning: albedo.pfm: 64 exponents outside 0..255, clamped"));
+    assert_non_null(strstr(o.text, "warning: --lobe: 64 exponents outside 0..255, clamped"));
     sbrdf_map m = open_map("y-albedo.ktx2", "y-lobes.ktx2");
     sbrdf_texel t;
     sbrdf_map_texel(&m, 0, 0, 0, &t);
@@ -355,7 +355,7 @@ static void mistakes_are_one_line(void **state)
          "wide.png: found 16 x 8 texels, expected 8 x 8 as in albedo.png"},
         {"nacre bake sbrdf --albedo albedo.png --lobe ks.pfm,c.pfm -o x1.ktx2", 3, "c.pfm: found no exponents"},
         {"nacre bake sbrdf --albedo albedo.png --lobe ks.pfm,c.pfm,nan.pfm -o x1.ktx2", 3,
-         "texel (0, 0): found a value"},
+         "nan.pfm: texel (0, 0): found a value"},
         {"nacre bake sbrdf --albedo not.pfm --lobe ks.pfm,c.pfm,n.pfm -o x1.ktx2", 3, "not.pfm: found"},
         {"nacre bake sbrdf paint.txt --range 3 -o x1.ktx2", 1, "--range"},
         {"nacre bake sbrdf paint.txt --range 1.5 -o x1.ktx2", 1, "--range 1.5: expected 1 or 2"},
@@ -387,6 +387,8 @@ static void mistakes_are_one_line(void **state)
         {"nacre shot --mesh plane --material lobes=p-lobes.ktx2 --light 30,0 -o x1.png", 1, "albedo=FILE is missing"},
         {"nacre shot --mesh plane --material albedo=p-lobes.ktx2,lobes=p-lobes.ktx2 --light 30,0 -o x1.png", 3,
          "found \"lobes\", expected \"albedo\""},
+        {"nacre shot --mesh plane --material albedo=z-albedo.ktx2,lobes=p-lobes.ktx2 --light 30,0 -o x1.png", 3,
+         "lobes=: found 8 x 8 texels, 4 levels, expected 6 x 8, 1 levels as in albedo="},
     };
     CHECK(list);
 }

@@ -15,15 +15,28 @@ typedef struct picture {
     int is_float;
 } picture;
 
+static int check_finite(const picture *p, failure *f)
+{
+    const image_f32 *m = &p->image;
+    size_t row = (size_t)m->width * (size_t)m->channels;
+    for (size_t i = 0; i < row * (size_t)m->height; i++)
+        if (!isfinite(m->texel[i]))
+            return fail(f, FAIL_INVALID, "%s: texel (%d, %d): found a value that is not finite, expected numbers",
+                        p->path, (int)(i % row / (size_t)m->channels), (int)(i / row));
+    return FAIL_NONE;
+}
+
 static int open_picture(picture *p, const char *path, int channels, const sbrdf_field *field, const char *first,
                         failure *f)
 {
     p->path = path;
     int code = float_map_read(&p->image, path, channels, &p->is_float, f);
-    if (code || !field->texel || (p->image.width == field->width && p->image.height == field->height)) return code;
-    code = fail(f, FAIL_INVALID, "%s: found %d x %d texels, expected %d x %d as in %s", path, p->image.width,
-                p->image.height, field->width, field->height, first);
-    image_f32_free(&p->image);
+    if (code) return code;
+    if (field->texel && (p->image.width != field->width || p->image.height != field->height))
+        code = fail(f, FAIL_INVALID, "%s: found %d x %d texels, expected %d x %d as in %s", path, p->image.width,
+                    p->image.height, field->width, field->height, first);
+    if (!code) code = check_finite(p, f);
+    if (code) image_f32_free(&p->image);
     return code;
 }
 

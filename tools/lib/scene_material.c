@@ -248,13 +248,18 @@ static int has_roles(const char *text)
     return text[name] == '=';
 }
 
-static int open_sbrdf(scene_material *m, failure *f)
+/* Both maps are checked, whatever draws them: the runtime's result codes don't say what is wrong. */
+static int open_sbrdf(scene_material *m, int exact, failure *f)
 {
     sbrdf_map map;
     int code = sbrdf_map_read(&map, &m->image[NACRE_ROLE_ALBEDO], "albedo=", &m->image[NACRE_ROLE_LOBES], "lobes=", f);
 
-    if (!code) m->reflectance = sbrdf_map_brdf(&map);
-    return code;
+    if (code) return code;
+    if (exact)
+        m->reflectance = sbrdf_map_brdf(&map);
+    else
+        sbrdf_map_free(&map);
+    return FAIL_NONE;
 }
 
 static int open_palette(scene_material *m, failure *f)
@@ -281,9 +286,9 @@ static int open_any(scene_material *m, const char *text, int exact, failure *f)
     }
     if (code) return code;
     settle(m);
+    if (m->material.model == NACRE_MODEL_SBRDF) return open_sbrdf(m, exact, f);
     if (!exact) return FAIL_NONE;
-    if (m->material.model == NACRE_MODEL_PALETTE) return open_palette(m, f);
-    return m->material.model == NACRE_MODEL_SBRDF ? open_sbrdf(m, f) : brdf_open(&m->reflectance, text, f);
+    return m->material.model == NACRE_MODEL_PALETTE ? open_palette(m, f) : brdf_open(&m->reflectance, text, f);
 }
 
 int scene_material_open(scene_material *out, const char *text, int exact, failure *f)
