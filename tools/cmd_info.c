@@ -115,7 +115,7 @@ static key_kind kind_of(const char *name)
         {NACRE_KEY_TABLE, KEY_Q16},   {NACRE_KEY_LIGHT_POLAR, KEY_BAM}, {NACRE_KEY_COSINE, KEY_U32},
         {NACRE_KEY_SCALE, KEY_Q16},   {NACRE_KEY_DISC, KEY_Q16},        {NACRE_KEY_MOST, KEY_Q16},
         {NACRE_KEY_LOBES, KEY_U32},   {NACRE_KEY_SHAPE, KEY_Q16},       {NACRE_KEY_DIRECTION, KEY_U32},
-        {NACRE_KEY_TILES, KEY_U32},   {NACRE_KEY_BLEND, KEY_U32},
+        {NACRE_KEY_TILES, KEY_U32},   {NACRE_KEY_BLEND, KEY_U32},       {NACRE_KEY_TOE, KEY_U32},
     };
     for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++)
         if (!strcmp(kinds[i].name, name)) return kinds[i].kind;

@@ -168,6 +168,19 @@ static void break_role(ktx2_image *k)
         if (!strcmp(k->key[n].name, NACRE_KEY_ROLE)) k->key[n].value.data[0] = 'T';
 }
 
+static void add_toe(ktx2_image *k)
+{
+    ktx2_key_u32(k, NACRE_KEY_TOE, &(uint32_t){1}, 1);
+}
+
+static void tables_that_keep_the_toe(void **state)
+{
+    (void)state;
+    char path[200];
+    write_changed(named("table"), add_toe, path, sizeof path);
+    expect(path, 0, TEXTS("nacre.keeps_toe      1\n", "for sRGB output with the curve's linear toe"));
+}
+
 static void broken_assets(void **state)
 {
     (void)state;
@@ -265,10 +278,15 @@ static void a_tensor_file(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frozen_files),       cmocka_unit_test(json_instead_of_text),
-        cmocka_unit_test(brdf_names),         cmocka_unit_test(usage),
-        cmocka_unit_test(broken_assets),      cmocka_unit_test(damaged_and_foreign_files),
-        cmocka_unit_test(a_small_merl_table), cmocka_unit_test(a_tensor_file),
+        cmocka_unit_test(frozen_files),
+        cmocka_unit_test(json_instead_of_text),
+        cmocka_unit_test(brdf_names),
+        cmocka_unit_test(usage),
+        cmocka_unit_test(tables_that_keep_the_toe),
+        cmocka_unit_test(broken_assets),
+        cmocka_unit_test(damaged_and_foreign_files),
+        cmocka_unit_test(a_small_merl_table),
+        cmocka_unit_test(a_tensor_file),
     };
     return cmocka_run_group_tests(tests, find_tool, remove_place);
 }
