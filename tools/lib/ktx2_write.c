@@ -266,9 +266,19 @@ void ktx2_free(ktx2_image *k)
     memset(k, 0, sizeof *k);
 }
 
-void ktx2_role(const nacre_image *image, char *out, size_t size)
+static void read_text(const nacre_image *image, const char *key, char *out, size_t size)
 {
     uint32_t length = 0;
-    const uint8_t *value = nacre_image_key(image, NACRE_KEY_ROLE, &length);
+    const uint8_t *value = nacre_image_key(image, key, &length);
     snprintf(out, size, "%.*s", value ? (int)length : 0, value ? (const char *)value : "");
+}
+
+void ktx2_role(const nacre_image *image, char *out, size_t size)
+{
+    read_text(image, NACRE_KEY_ROLE, out, size);
+}
+
+void ktx2_name(const nacre_image *image, char *out, size_t size)
+{
+    read_text(image, NACRE_KEY_NAME, out, size);
 }

@@ -34,7 +34,8 @@ void ktx2_key_q16(ktx2_image *k, const char *name, const double *value, int coun
 void ktx2_write(const ktx2_image *k, bytes *out);
 void ktx2_free(ktx2_image *k);
 
-/* nacre.role of an opened file, for messages; cut to fit, "" if it has none. */
+/* nacre.role of an opened file, for messages, and nacre.name; cut to fit, "" if it has none. */
 void ktx2_role(const nacre_image *image, char *out, size_t size);
+void ktx2_name(const nacre_image *image, char *out, size_t size);
 
 #endif

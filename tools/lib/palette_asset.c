@@ -208,13 +208,6 @@ static int read_numbers(table_asset *t, const nacre_image *image, const char *pa
                 NACRE_KEY_TABLE, t->e, t->ymax, t->p, t->eps, t->rows);
 }
 
-static void read_name(const nacre_image *image, char *name, size_t capacity)
-{
-    uint32_t size;
-    const uint8_t *at = nacre_image_key(image, NACRE_KEY_NAME, &size);
-    if (at && size) snprintf(name, capacity, "%.*s", (int)(size - 1), (const char *)at);
-}
-
 int palette_read(palette *out, const nacre_image *tables, const char *tables_path, const nacre_image *index,
                  const char *index_path, failure *f)
 {
@@ -252,7 +245,7 @@ int palette_read(palette *out, const nacre_image *tables, const char *tables_pat
     int32_t albedo[3] = {0};
     asset_key_q16(tables, NACRE_KEY_ALBEDO, albedo, 3);
     for (int k = 0; k < 3; k++) p.white_sky[k] = albedo[k] / 65536.0;
-    read_name(tables, p.name, sizeof p.name);
+    ktx2_name(tables, p.name, sizeof p.name);
     *out = p;
     return FAIL_NONE;
 }

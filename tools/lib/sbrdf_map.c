@@ -333,13 +333,6 @@ int sbrdf_check_lobes(const nacre_image *image, const char *path, sbrdf_map *key
     return code;
 }
 
-static void read_name(const nacre_image *image, char *name, size_t capacity)
-{
-    uint32_t size;
-    const uint8_t *at = nacre_image_key(image, NACRE_KEY_NAME, &size);
-    if (at && size) snprintf(name, capacity, "%.*s", (int)(size - 1), (const char *)at);
-}
-
 int sbrdf_map_read(sbrdf_map *out, const nacre_image *albedo, const char *albedo_path, const nacre_image *lobes,
                    const char *lobes_path, failure *f)
 {
@@ -358,7 +351,7 @@ int sbrdf_map_read(sbrdf_map *out, const nacre_image *albedo, const char *albedo
     memcpy(out->shape_most, keys.shape_most, sizeof out->shape_most);
     asset_key_q16(albedo, NACRE_KEY_ALBEDO, white_sky, 3);
     for (int c = 0; c < 3; c++) out->white_sky[c] = white_sky[c] / 65536.0;
-    read_name(albedo, out->name, sizeof out->name);
+    ktx2_name(albedo, out->name, sizeof out->name);
     for (int i = 0; i < out->levels; i++) {
         size_t size = 4 * level_texels(out, i);
         memcpy(out->albedo[i], nacre_image_texels(albedo, (unsigned)i, 0, 0, NULL), size);

@@ -608,7 +608,6 @@ static int read_mode(sphere_asset *a, const nacre_image *image, const char *path
 
 static int read_keys(sphere_asset *a, const nacre_image *image, const char *path, failure *f)
 {
-    uint32_t size = 0;
     int code = read_polar(a, image, path, f);
     if (!code) code = read_mode(a, image, path, f);
     a->disc = 1;
@@ -622,8 +621,7 @@ static int read_keys(sphere_asset *a, const nacre_image *image, const char *path
                         a->scale[c]);
     if (a->disc < 0.5 || a->disc > 1)
         return fail(f, FAIL_INVALID, "%s: key %s: found %g, expected 0.5..1", path, NACRE_KEY_DISC, a->disc);
-    const uint8_t *name = nacre_image_key(image, NACRE_KEY_NAME, &size);
-    if (name && size && !name[size - 1]) snprintf(a->name, sizeof a->name, "%s", (const char *)name);
+    ktx2_name(image, a->name, sizeof a->name);
     return FAIL_NONE;
 }
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "asset.h"
 #include "ktx2_write.h"
 #include "nacre_asset.h"
 #include "table_parts.h"
@@ -85,28 +86,14 @@ static int read_q16(const nacre_image *image, const char *key, double *value, in
     return 1;
 }
 
-static int text_is(const nacre_image *image, const char *key, const char *expected)
-{
-    uint32_t size;
-    const uint8_t *at = nacre_image_key(image, key, &size);
-    return at && size == strlen(expected) + 1 && !memcmp(at, expected, size);
-}
-
-static void read_name(const nacre_image *image, char *name, size_t capacity)
-{
-    uint32_t size;
-    const uint8_t *at = nacre_image_key(image, NACRE_KEY_NAME, &size);
-    if (at && size) snprintf(name, capacity, "%.*s", (int)(size - 1), (const char *)at);
-}
-
 static int check_shape(const nacre_image *image, const char *path, failure *f)
 {
-    if (!text_is(image, NACRE_KEY_ROLE, "table")) {
+    if (!asset_key_is(image, NACRE_KEY_ROLE, "table")) {
         char found[40];
         ktx2_role(image, found, sizeof found);
         return fail(f, FAIL_INVALID, "%s: key %s: found \"%s\", expected \"table\"", path, NACRE_KEY_ROLE, found);
     }
-    if (!text_is(image, NACRE_KEY_TRANSFER, "root"))
+    if (!asset_key_is(image, NACRE_KEY_TRANSFER, "root"))
         return fail(f, FAIL_INVALID, "%s: key %s: expected \"root\"", path, NACRE_KEY_TRANSFER);
     if (image->format != NACRE_FORMAT_RGBA8 || image->levels != 1 || image->faces != 1 || image->layers > 2)
         return fail(
@@ -145,11 +132,11 @@ static int read_numbers(table_asset *t, const nacre_image *image, const char *pa
 
 static int read_toe(table_asset *t, const nacre_image *image)
 {
-    uint32_t size;
-    const uint8_t *at = nacre_image_key(image, NACRE_KEY_TOE, &size);
-    if (!at) return 1;
-    t->toe = at[0];
-    return size == 4 && at[0] < 2 && !at[1] && !at[2] && !at[3];
+    uint32_t toe = 0;
+    if (nacre_image_key(image, NACRE_KEY_TOE, NULL) && (!asset_key_u32(image, NACRE_KEY_TOE, &toe, 1) || toe > 1))
+        return 0;
+    t->toe = (int)toe;
+    return 1;
 }
 
 int table_read(table_asset *out, const nacre_image *image, const char *path, failure *f)
@@ -159,7 +146,7 @@ int table_read(table_asset *out, const nacre_image *image, const char *path, fai
     if (result || (result = read_numbers(&t, image, path, f))) return result;
     read_q16(image, NACRE_KEY_ALBEDO, t.albedo, 3);
     if (!read_toe(&t, image)) return fail(f, FAIL_INVALID, "%s: key %s: expected 0 or 1", path, NACRE_KEY_TOE);
-    read_name(image, t.name, sizeof t.name);
+    ktx2_name(image, t.name, sizeof t.name);
     size_t layer = (size_t)(t.width * t.height) * 4;
     t.rgba = need_memory(layer, (size_t)t.layers);
     for (int i = 0; i < t.layers; i++) {
