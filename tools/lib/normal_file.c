@@ -22,13 +22,13 @@ static void put_level(bytes *out, const float *normal, size_t count)
     }
 }
 
-void normal_file_write(const image_u8 *picture, double scale, int levels, const char *name, bytes *out)
+void normal_file_write(const image_u8 *picture, double scale, int no_mips, const char *name, bytes *out)
 {
     int width = picture->width, height = picture->height;
     size_t count = (size_t)width * (size_t)height;
     float *normal = need_memory(3 * count, sizeof *normal);
     ktx2_image k = {.format = NACRE_FORMAT_RGB8, .width = width, .height = height, .faces = 1};
-    k.levels = levels ? levels : mip_count(width, height);
+    k.levels = no_mips ? 1 : mip_count(width, height);
     for (size_t i = 0; i < count; i++) {
         for (size_t c = 0; c < 3; c++)
             normal[3 * i + c] =

@@ -37,7 +37,7 @@ static int check_coats(const painting *p, failure *f)
     return FAIL_NONE;
 }
 
-/* Materials at a texel and how much of each shows; most of them first. */
+/* The material of which most shows at a texel. */
 static int material_at(const painting *p, long i)
 {
     int coat[PAINTING_COATS];
