@@ -131,6 +131,7 @@ typedef struct table_sky {
 table_sky table_sky_make(const brdf *b, const table_asset *t, double weight);
 void table_sky_place(table_sky *sky, const table_asset *t);
 void table_sky_free(table_sky *sky);
+
 /* How strongly a solution is held back. */
 typedef struct table_hold {
     double smooth;      /* weight of second differences along u and v */
@@ -158,10 +159,10 @@ typedef struct table_problem {
 
 table_problem table_problem_make(const table_model *m, const table_samples *s, const table_sky *sky,
                                  const table_hold *hold);
+void table_problem_free(table_problem *p);
 
 /* Weighted relative errors of albedos (truth - table), and in *pull (may be NULL) how the table's change with x. */
 void table_sky_residuals(const table_problem *p, const double *x, double *pull, double residual[TABLE_SKY_TERMS]);
-void table_problem_free(table_problem *p);
 
 /* Root the table draws at a sample, per channel. */
 void table_drawn_at(const table_problem *p, const table_footprint *at, const double basis[TABLE_BASES], const double *x,

@@ -121,9 +121,10 @@ static double wanted_at(const table_problem *p, const table_asset *t, const desc
 
 static void moved_by(const table_problem *p, int texel, int unknown, double delta, descent *d)
 {
-    const double *pull = p->pull + (size_t)(texel * p->n + unknown) * TABLE_SKY_TERMS;
     table_apply_one(p, texel, unknown, delta, d->gradient);
-    for (int k = 0; k < TABLE_SKY_TERMS && p->sky; k++) d->sky[k] += pull[k] * delta;
+    if (!p->sky) return;
+    const double *pull = p->pull + (size_t)(texel * p->n + unknown) * TABLE_SKY_TERMS;
+    for (int k = 0; k < TABLE_SKY_TERMS; k++) d->sky[k] += pull[k] * delta;
 }
 
 /* Move one code to where the error is least among the positive ones on the way; gradient follows. */
