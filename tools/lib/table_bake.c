@@ -7,13 +7,9 @@
 #include "table_parts.h"
 
 #define DISPLAY_STEPS 3
-#define ALBEDO        1e-3  /* weight of relative errors of albedos, in parts of samples */
-#define SMOOTH        5e-5  /* both in parts of samples per ten texels */
-#define SMOOTH_TEXELS 504.0 /* larger tables: second differences shrink with the step, samples per texel too */
-#define RIDGE         1e-3
-#define RIDGE_CLOSED  1e-7
-#define COEFFICIENT   0.5
-#define VECTOR_STEP   4 /* of the samples that weight vectors are found with */
+#define ALBEDO        1e-3 /* weight of relative errors of albedos, in parts of samples */
+#define RIDGE         1e-3 /* of table_solve_display; TABLE_RIDGE_CLOSED is that of the other */
+#define VECTOR_STEP   4    /* of the samples that weight vectors are found with */
 #define RANGES        4
 #define RANGE_STEP    1.3
 #define WEIGHT_LIMIT  16.0 /* of |W|, K1, K2: far above what measured materials ask for (10 at most) */
@@ -47,16 +43,9 @@ static table_options with_defaults(const table_options *given)
     return o;
 }
 
-static table_hold hold_of(const table_samples *s, const table_asset *t, double ridge)
-{
-    double texels = t->width * t->height, unit = (double)s->count / (10 * texels);
-    double finer = fmax(1, texels / SMOOTH_TEXELS);
-    return (table_hold){SMOOTH * unit * finer * finer, ridge * unit, COEFFICIENT};
-}
-
 static double *fit(const table_model *m, const table_samples *s, const table_sky *sky, const table_asset *t, int steps)
 {
-    table_hold closed = hold_of(s, t, RIDGE_CLOSED), display = hold_of(s, t, RIDGE);
+    table_hold closed = table_hold_of(s, t, TABLE_RIDGE_CLOSED), display = table_hold_of(s, t, RIDGE);
     double *x = table_start(m, s);
     table_solve_closed(m, s, &closed, x);
     table_solve_display(m, s, sky, &display, steps, x);
@@ -92,7 +81,7 @@ static table_model model_of(table_tier tier, const table_asset *t, const table_s
     for (int k = 1; k < TABLE_BASES && tier == TABLE_FINE; k++) add_coefficient(&m, k, grey);
     table_samples few = table_samples_thin(s, VECTOR_STEP);
     s = &few;
-    table_hold closed = hold_of(s, t, RIDGE_CLOSED);
+    table_hold closed = table_hold_of(s, t, TABLE_RIDGE_CLOSED);
     double *x = table_start(&m, s);
     table_solve_closed(&m, s, &closed, x);
     table_solve_display(&m, s, NULL, &closed, 1, x);
@@ -174,7 +163,7 @@ static const double base_share[] = {0.45, 0.7, 1};
 static void encode(table_asset *t, const table_model *m, const table_samples *s, const table_sky *sky,
                    const table_options *o, const double *x)
 {
-    table_hold hold = hold_of(s, t, 0);
+    table_hold hold = table_hold_of(s, t, 0);
     table_problem p = table_problem_make(m, s, sky, &hold);
     table_linearize(&p, x);
     double best = HUGE_VAL;

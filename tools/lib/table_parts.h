@@ -139,6 +139,10 @@ typedef struct table_hold {
     double coefficient; /* both times this for coefficients */
 } table_hold;
 
+/* What suits t's size and so many samples; ridge in parts of samples per ten texels. */
+#define TABLE_RIDGE_CLOSED 1e-7 /* of table_solve_closed */
+table_hold table_hold_of(const table_samples *s, const table_asset *t, double ridge);
+
 /* The least-squares problem of an update dx of x: (H + smooth R + ridge) dx = rhs - smooth R x, R = D^T D for second
    differences D along both axes. A texel's blocks of H: with itself and with its neighbours at (+1, 0), (-1, +1), (0, +1),
    (+1, +1); each block is symmetric, so the opposite neighbours share it. */

@@ -11,9 +11,12 @@
 #define DIM_SHARE   0.5
 #define WORST_SHARE 0.2
 
-#define SMOOTH      5e-5
-#define RIDGE       1e-7
-#define COEFFICIENT 0.5
+/* The usual place stays if others are hardly better on these samples. */
+#define GAIN 0.93
+
+/* Larger tables are judged by what one of this size does. */
+#define MOST_COLUMNS 24
+#define MOST_ROWS    21
 
 /* Candidates beside the usual 2^-8 and 0.3: eps = 2^-bits, row curve. 2^-12 is the least that the CPU renderer takes, and
    that fp16 draws well even where it has no numbers below 2^-14 (they cost 0.25 dB then, of 53). */
@@ -21,20 +24,6 @@ static const int eps_bits[] = {4, 6, 10, 12};
 static const double row_curve[] = {-0.8, -0.5, -0.2, 0.1, 0.6, 0.9};
 #define EPS_COUNT (int)(sizeof eps_bits / sizeof *eps_bits)
 #define ROW_COUNT (int)(sizeof row_curve / sizeof *row_curve)
-
-table_samples table_samples_thin(const table_samples *s, int step)
-{
-    table_samples out = {.sample = need_memory(s->count / (size_t)step + 1, sizeof *out.sample)};
-    for (size_t i = 0; i < s->count; i += (size_t)step) out.sample[out.count++] = s->sample[i];
-    return out;
-}
-
-/* The usual place stays if others are hardly better on these samples. */
-#define GAIN 0.93
-
-/* Larger tables are judged by what one of this size does. */
-#define MOST_COLUMNS 24
-#define MOST_ROWS    21
 
 /* Squared display error of a sample, full and 2 stops down. */
 static double squared_error(const table_sample *s, const table_model *m, const double root[3])
@@ -75,8 +64,7 @@ static double judge(const table_model *m, const table_samples *s, const double *
 
 static double try_place(const table_model *m, table_samples *s, const table_asset *t)
 {
-    double unit = (double)s->count / (10.0 * t->width * t->height);
-    table_hold hold = {SMOOTH * unit, RIDGE * unit, COEFFICIENT};
+    table_hold hold = table_hold_of(s, t, TABLE_RIDGE_CLOSED);
     table_samples_place(s, t);
     double *x = table_start(m, s), error;
     table_solve_closed(m, s, &hold, x);

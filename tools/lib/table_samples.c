@@ -221,6 +221,13 @@ int table_samples_regrid(table_samples *s, const brdf *b, const table_asset *t, 
     return add_grid(s, b, t, f);
 }
 
+table_samples table_samples_thin(const table_samples *s, int step)
+{
+    table_samples out = {.sample = need_memory(s->count / (size_t)step + 1, sizeof *out.sample)};
+    for (size_t i = 0; i < s->count; i += (size_t)step) out.sample[out.count++] = s->sample[i];
+    return out;
+}
+
 void table_samples_free(table_samples *s)
 {
     free(s->sample);

@@ -6,13 +6,22 @@
 
 #include "table_parts.h"
 
-#define SLOPE_FLOOR  0.01 /* closed form: weight of values whose display hardly moves */
-#define SLOPE_MIN    0.003
-#define SLOPE_MAX    3.0
-#define UPDATE_LIMIT 1.5
-#define HALVINGS     6
+#define SLOPE_FLOOR   0.01 /* closed form: weight of values whose display hardly moves */
+#define SLOPE_MIN     0.003
+#define SLOPE_MAX     3.0
+#define UPDATE_LIMIT  1.5
+#define HALVINGS      6
+#define SMOOTH        5e-5  /* in parts of samples per ten texels */
+#define SMOOTH_TEXELS 504.0 /* larger tables: second differences shrink with the step, samples per texel too */
+#define COEFFICIENT   0.5
 
-/* Every texel at the mean of the roots, without coefficients. */
+table_hold table_hold_of(const table_samples *s, const table_asset *t, double ridge)
+{
+    double texels = t->width * t->height, unit = (double)s->count / (10 * texels);
+    double finer = fmax(1, texels / SMOOTH_TEXELS);
+    return (table_hold){SMOOTH * unit * finer * finer, ridge * unit, COEFFICIENT};
+}
+
 double *table_start(const table_model *m, const table_samples *s)
 {
     int n = table_unknowns(m), texels = m->width * m->height;
