@@ -234,7 +234,7 @@ void etc1_encode(const uint8_t *rgb, int width, int height, uint8_t *out)
     etc_encode_blocks(rgb, width, height, etc1_encode_block, out);
 }
 
-static uint64_t load_block(const uint8_t block[8])
+uint64_t etc_load_block(const uint8_t block[8])
 {
     uint64_t bits = 0;
     for (int i = 0; i < 8; i++) bits = bits << 8 | block[i];
@@ -256,7 +256,7 @@ static int block_bases(uint64_t bits, int base[2][3])
 int etc1_block_valid(const uint8_t block[8])
 {
     int base[2][3];
-    if (!block_bases(load_block(block), base)) return 1;
+    if (!block_bases(etc_load_block(block), base)) return 1;
     for (int c = 0; c < 3; c++)
         if (base[1][c] < 0 || base[1][c] > 31) return 0;
     return 1;
@@ -264,7 +264,7 @@ int etc1_block_valid(const uint8_t block[8])
 
 void etc1_decode_block(const uint8_t block[8], uint8_t texel[16][3])
 {
-    uint64_t bits = load_block(block);
+    uint64_t bits = etc_load_block(block);
     int base[2][3], differential = block_bases(bits, base), flip = (int)(bits >> 32 & 1);
     for (int n = 0; n < 16; n++) {
         int half = flip ? (n % 4) / 2 : n / 8;

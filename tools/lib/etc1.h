@@ -20,7 +20,8 @@ void etc1_decode(const uint8_t *blocks, int width, int height, uint8_t *rgb);
 /* 1 if the block uses an ETC1 mode: individual, or differential without overflow. */
 int etc1_block_valid(const uint8_t block[8]);
 
-/* One block, texel (x, y) at 4 x + y; and images block by block, for etc2.c. */
+/* For etc2.c: a block as a number, big-endian; one block, texel (x, y) at 4 x + y; images block by block. */
+uint64_t etc_load_block(const uint8_t block[8]);
 void etc1_encode_block(const int texel[16][3], uint8_t out[8]);
 void etc1_decode_block(const uint8_t block[8], uint8_t texel[16][3]);
 void etc_encode_blocks(const uint8_t *rgb, int width, int height,

@@ -27,13 +27,6 @@ static int clamp(int x, int low, int high)
     return x < low ? low : x > high ? high : x;
 }
 
-static uint64_t load_block(const uint8_t block[8])
-{
-    uint64_t bits = 0;
-    for (int i = 0; i < 8; i++) bits = bits << 8 | block[i];
-    return bits;
-}
-
 static void store_block(uint64_t bits, uint8_t block[8])
 {
     for (int i = 0; i < 8; i++) block[i] = (uint8_t)(bits >> (56 - 8 * i));
@@ -74,7 +67,7 @@ static etc2_mode mode_of(uint64_t bits)
 
 etc2_mode etc2_block_mode(const uint8_t block[8])
 {
-    return mode_of(load_block(block));
+    return mode_of(etc_load_block(block));
 }
 
 /* Set the free bits of a channel so that it overflows. Its base's two low bits and its difference's two low bits are data:
@@ -173,7 +166,7 @@ static void decode_planar(uint64_t bits, uint8_t texel[TEXELS][3])
 
 static void decode_block(const uint8_t block[8], uint8_t texel[TEXELS][3])
 {
-    uint64_t bits = load_block(block);
+    uint64_t bits = etc_load_block(block);
     switch (mode_of(bits)) {
     case ETC2_MODE_T:
         decode_t(bits, texel);
