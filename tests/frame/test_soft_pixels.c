@@ -459,16 +459,32 @@ static int roll(int below)
     return (int)((uint64_t)seed * (uint64_t)below >> 32);
 }
 
+enum { GREY = 204, CLEARED = 17 };
+static const double half_x = .62, half_y = .7;
+
+/* A grey rectangle in the middle. */
+static void grey_rectangle(cloth *c, rectangle *r)
+{
+    plain(c, GREY, GREY, GREY);
+    rectangle_make(r, half_x, half_y, 0, 0);
+}
+
+/* What green is there: the rectangle's, within a code, or the clear colour's. */
+static int is_drawn(uint32_t green, int x, int y)
+{
+    const int covered = fabs(ndc_x(x)) < half_x && fabs(ndc_y(y)) < half_y;
+    return abs((int)green - (covered ? GREY : CLEARED)) <= covered;
+}
+
 /* Inside: the rectangle or the clear colour. Outside: what was there. */
-static void look_at_scissor(const stage *s, double half_x, double half_y)
+static void look_at_scissor(const stage *s)
 {
     for (int y = 0; y < HEIGHT; y++)
         for (int x = 0; x < WIDTH; x++) {
             const int inside = x >= s->scissor[0] && x < s->scissor[2] && y >= s->scissor[1] && y < s->scissor[3];
-            const int covered = fabs(ndc_x(x)) < half_x && fabs(ndc_y(y)) < half_y;
-            const int wanted = !inside ? 0x5A : covered ? 204 : 17;
+            const uint32_t green = code_of(s, x, y, 1);
 
-            assert_true(abs((int)code_of(s, x, y, 1) - wanted) <= (inside && covered));
+            assert_true(inside ? is_drawn(green, x, y) : green == 0x5A);
         }
 }
 
@@ -479,18 +495,17 @@ static void nothing_is_touched_outside_the_scissor(void **state)
     stage s;
 
     (void)state;
-    plain(&c, 204, 204, 204);
-    rectangle_make(&r, .62, .7, 0, 0);
+    grey_rectangle(&c, &r);
     for (int i = 0; i < 200; i++) {
         stage_begin(&s, NACRE_SOFT_RGBA8, NACRE_OUTPUT_LINEAR);
-        s.clear = 17u << 8;
+        s.clear = (uint32_t)CLEARED << 8;
         s.scissor[0] = roll(WIDTH + 20) - 10;
         s.scissor[1] = roll(HEIGHT + 20) - 10;
         s.scissor[2] = s.scissor[0] + roll(WIDTH);
         s.scissor[3] = s.scissor[1] + roll(HEIGHT);
         stage_add(&s, &r, &c.material)->blend = (uint8_t)roll(2);
         stage_draw(&s);
-        look_at_scissor(&s, .62, .7);
+        look_at_scissor(&s);
     }
     cloth_free(&c);
 }
@@ -509,9 +524,7 @@ static int send(void *user, int y0, int y1, void *pixels, size_t stride)
         p->seen[y]++;
         for (int x = p->s->scissor[0]; x < p->s->scissor[2]; x++) {
             const uint8_t *const at = (uint8_t *)pixels + (size_t)(y - y0) * stride + 4 * (size_t)x;
-            const int covered = fabs(ndc_x(x)) < .62 && fabs(ndc_y(y)) < .7;
-            if (y >= p->s->scissor[1] && y < p->s->scissor[3])
-                assert_true(abs(at[1] - (covered ? 204 : 17)) <= covered);
+            if (y >= p->s->scissor[1] && y < p->s->scissor[3]) assert_true(is_drawn(at[1], x, y));
         }
     }
     return 0;
@@ -525,8 +538,7 @@ static void only_dirty_bands_are_sent(void **state)
     stage s;
 
     (void)state;
-    plain(&c, 204, 204, 204);
-    rectangle_make(&r, .62, .7, 0, 0);
+    grey_rectangle(&c, &r);
     for (int i = 0; i < 40; i++) {
         panel p = {{0}, &s};
         nacre_soft *soft;
@@ -541,7 +553,7 @@ static void only_dirty_bands_are_sent(void **state)
         block = need_memory(1, nacre_soft_size(&s.desc));
         scratch = need_memory(1, nacre_soft_scratch_size(&s.desc));
         assert_int_equal(nacre_soft_init(&soft, block, nacre_soft_size(&s.desc), &s.desc), NACRE_OK);
-        nacre_soft_clear_color(soft, 17u << 8);
+        nacre_soft_clear_color(soft, (uint32_t)CLEARED << 8);
         nacre_soft_scissor(soft, s.scissor[0], s.scissor[1], s.scissor[2], s.scissor[3]);
         assert_int_equal(nacre_soft_prepare(soft, s.item, s.items, &s.view), NACRE_OK);
         assert_int_equal(nacre_soft_bands(soft, scratch, nacre_soft_scratch_size(&s.desc), band[0],
