@@ -83,8 +83,10 @@ static void make_view(world *w)
         p->m[5] = 30000 + (int32_t)roll(200000);
         p->m[10] = -70000;
         p->m[14] = -20000 - (int32_t)roll(20000);
-        p->m[roll(4) ? 11 : 15] = p->m[15] ? 65536 : -65536;
-        if (p->m[15]) p->m[15] = 65536;
+        if (roll(4))
+            p->m[11] = -65536; /* perspective */
+        else
+            p->m[15] = 65536;
     }
     w->view.lights = w->light;
     w->view.light_count = (uint16_t)roll(5);
