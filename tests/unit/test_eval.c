@@ -7,7 +7,6 @@
 #include <stdint.h>
 #include <string.h>
 
-#include "asset.h"
 #include "cases.h"
 #include "eval.h"
 
@@ -88,31 +87,6 @@ static void note(errors *e, uint32_t rgba, const double wanted[3])
     }
 }
 
-static void read_table(shade_material *m, const nacre_image *image)
-{
-    nacre_material material = {.model = NACRE_MODEL_TABLE};
-
-    material.image[NACRE_ROLE_TABLE] = image;
-    assert_int_equal(shade_material_read(m, &material), NACRE_OK);
-}
-
-static void read_spheres(shade_material *m, const nacre_image *image)
-{
-    shade_spheres *s = &m->is.spheres;
-    uint32_t polar[NACRE_MAX_LAYERS], quarters;
-    int i;
-
-    m->model = NACRE_MODEL_SPHERES;
-    assert_true(asset_key_u32(image, NACRE_KEY_LIGHT_POLAR, polar, image->layers));
-    assert_true(asset_key_q16(image, NACRE_KEY_SCALE, s->scale, 3));
-    if (asset_key_u32(image, NACRE_KEY_QUARTERS, &quarters, 1) && quarters)
-        s->size = image->width;
-    else
-        assert_true(asset_key_q16(image, NACRE_KEY_DISC, &s->disc, 1));
-    for (i = 0; i < image->layers; i++) s->polar_bam[i] = (uint16_t)polar[i];
-    s->layers = (uint8_t)image->layers;
-}
-
 typedef struct drawn {
     uint32_t sum[COUNT], code[COUNT];
     int has_code, toe;
@@ -158,12 +132,8 @@ static void draw(drawn *out, const ball *b, const case_asset *a, const double l[
     shade_material m;
     int i;
 
-    memset(&m, 0, sizeof m);
     for (i = 0; i < 16; i += 5) view.object_to_view.m[i] = view.view_to_clip.m[i] = 65536;
-    if (a->material.model == NACRE_MODEL_TABLE)
-        read_table(&m, &a->image);
-    else
-        read_spheres(&m, &a->image);
+    assert_int_equal(shade_material_read(&m, &a->material), NACRE_OK);
     shade_setup(&frame, &view, centre, &m, SHADE_LINEAR, 0, 2);
     shade_rgb_fill(radiance, b->count, NULL);
     out->has_code = 0;
@@ -204,10 +174,10 @@ static void compare(case_model model, const char *name, double polar_deg, double
     if (d.has_code) print_message("  code mean %.3f worst %.2f", of_code.mean / of_code.count, of_code.worst);
     print_message("\n");
     case_asset_close(&a);
-    /* lights behind spheres: normals past the rim are held to it along x, in double along the radius */
     /* the fine tier keeps values up to 8 in the bits in which others keep 1 */
     assert_true(of_sum.mean / of_sum.count < (model == CASE_FINE ? 0.35 : 0.30) &&
                 of_sum.beyond <= 0.003 * of_sum.count);
+    /* lights behind spheres: normals past the rim are held to it along x, in double along the radius */
     if (a.material.model == NACRE_MODEL_TABLE || polar_deg < 90) assert_true(of_sum.worst < worst);
     if (d.has_code)
         assert_true(of_code.mean / of_code.count < (model == CASE_FINE ? 0.35 : 0.30) && of_code.worst < worst);
