@@ -692,13 +692,13 @@ static void open_sbrdf(case_asset *a, case_model model)
     sbrdf_map m;
 
     paint(&m, sbrdf_lobes(model));
-    sbrdf_map_write(&m, &a->file, &a->lobes_file);
+    sbrdf_map_write(&m, &a->file, &a->second_file);
     a->decoded = sbrdf_map_brdf(&m);
     open_or_exit(&a->image, &a->file, "albedo");
-    open_or_exit(&a->lobes_image, &a->lobes_file, "lobes");
+    open_or_exit(&a->second_image, &a->second_file, "lobes");
     a->material.model = NACRE_MODEL_SBRDF;
     a->material.image[NACRE_ROLE_ALBEDO] = &a->image;
-    a->material.image[NACRE_ROLE_LOBES] = &a->lobes_image;
+    a->material.image[NACRE_ROLE_LOBES] = &a->second_image;
 }
 
 static int is_palette(case_model model)
@@ -711,14 +711,14 @@ static void open_palette(case_asset *a, case_model model)
     palette p;
 
     palette_case_make(&p, model == CASE_PALETTE_BLEND);
-    palette_write(&p, &a->file, &a->lobes_file);
+    palette_write(&p, &a->file, &a->second_file);
     a->decoded = palette_brdf(&p);
     memcpy(a->albedo, palette_case_albedo, sizeof a->albedo);
     open_or_exit(&a->image, &a->file, "palette");
-    open_or_exit(&a->lobes_image, &a->lobes_file, "index");
+    open_or_exit(&a->second_image, &a->second_file, "index");
     a->material.model = NACRE_MODEL_PALETTE;
     a->material.image[NACRE_ROLE_PALETTE] = &a->image;
-    a->material.image[NACRE_ROLE_INDEX] = &a->lobes_image;
+    a->material.image[NACRE_ROLE_INDEX] = &a->second_image;
 }
 
 static void bake(bytes *file, case_model model, const char *brdf_name)
@@ -825,6 +825,6 @@ void case_asset_close(case_asset *a)
     brdf_close(a->decoded);
     bytes_free(&a->file);
     bytes_free(&a->normal_file);
-    bytes_free(&a->lobes_file);
+    bytes_free(&a->second_file);
     image_u8_free(&a->normal_map);
 }

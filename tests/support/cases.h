@@ -50,8 +50,8 @@ extern const int frame_case_count;
 
 /* A baked file in memory and its decoding in double. Points into itself: leave it where it is. */
 typedef struct case_asset {
-    bytes file, normal_file, lobes_file;
-    nacre_image image, normal_image, lobes_image;
+    bytes file, normal_file, second_file; /* second: of models in two files, lobes or index */
+    nacre_image image, normal_image, second_image;
     nacre_material material;
     image_u8 normal_map;
     brdf *decoded;
