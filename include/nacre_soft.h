@@ -96,9 +96,9 @@ typedef struct nacre_soft_lit_desc {
     const nacre_soft_kernels *kernels; /* (portable) */
 } nacre_soft_lit_desc;
 
-/* Bytes of scratch, 4-byte aligned, for so many rows at once: about 3,300 + 16 (fine: 32) a column of the table + 30 x size
-   a row. One row is enough; more are faster with many lights, whose set-up is repeated for each portion. 0: desc is not
-   valid. */
+/* Bytes of scratch, 4-byte aligned, for so many rows at once: 2,116 + 16 (fine: 32) a column of the table (paper mode: about
+   150 in all) + 30 x size a row. One row is enough; more are faster with many lights, whose set-up is repeated for each
+   portion. 0: desc is not valid. */
 size_t nacre_soft_lit_scratch_size(const nacre_soft_lit_desc *desc, unsigned rows);
 
 /* Shade rows y0..y1-1 of the picture whose first texel is at texels (size x size, tight). All lights are summed in linear
@@ -127,8 +127,8 @@ typedef struct nacre_soft_item {
 } nacre_soft_item;
 
 /* Bytes of the object, 0 if desc is not valid; on a 32-bit CPU, each part rounded up to 16:
-     128 + 20 max_vertices + the larger of 4 max_triangles (above 65,536: 8) and 2,112 + 4 (bands + 2)
-     + max_items (480 + max_lights (56 + 16 table_columns (fine: 32); 176 or more))
+     128 + 20 max_vertices + the larger of 4 max_triangles (above 65,536: 8) and 2,116 + 4 (bands + 2)
+     + max_items (464 + max_lights (52 + 16 table_columns (fine: 32); 176 or more))
    and of the scratch for each band that is drawn at the same time:
      128 + band_rows x width x 8 (several items, or blend: 9).
    320 x 240 RGB565 with 530 vertices, 992 triangles, two band buffers and a lit sphere of 64: 54 KB; 160 x 128 in bands of
