@@ -22,7 +22,7 @@ static inline int64_t fx_shift(int64_t x, int shift)
     return (x + ((int64_t)1 << (shift - 1))) >> shift;
 }
 
-/* A function that is not put into its caller, whose frame would have to hold both's variables. */
+/* A function that is not put into its caller, whose frame would have to hold the variables of both. */
 #if defined(__GNUC__)
 #define FX_APART __attribute__((noinline))
 #else

@@ -7,7 +7,7 @@
  *
  *   shade_setup(&frame, &view, centre, &material, SHADE_LINEAR, 0, 2);
  *   for each light i of frame.light_count:
- *       shade_table_eval_prepare(&eval, columns, &frame.light[i], &frame.is.table, &material, texels);
+ *       shade_table_eval_prepare(&eval, columns, &frame.light[i], &material, texels);
  *       shade_table_add(&eval, xy, z, count, radiance);          adds this light's radiance
  *   shade_encode(radiance, count, NACRE_OUTPUT_SRGB, rgba);       codes of the sum
  *
@@ -50,7 +50,7 @@ typedef struct shade_table_eval {
     int32_t at_middle, last;    /* q15 */
     int16_t scale;              /* texels per octave, q11 */
     int16_t limit;              /* most that |n.l - n.v| is where lit and seen, q14 */
-    int16_t phi[3];             /* W / max W, q15 */
+    int16_t phi[3];             /* R G B of the columns' shared terms, over the largest, q15 */
     int16_t gain, gain_code;    /* of the 4.8th root of n.l, q15, for radiance and for codes ... */
     uint8_t shift, shift_code;  /* ... and what its product with the root is shifted by */
     uint8_t fine, power4, toe;  /* toe: codes have the linear toe of sRGB */

@@ -10,7 +10,8 @@
 
 #include "eval.h"
 
-/* Pixels: unit normals and directions to the eye (as in eval.h, q14), positions in view space (q16). */
+/* Pixels: unit normals and directions to the eye (as in eval.h, q14), positions in view space (q16; for
+   point lights alone). */
 typedef struct shade_seen {
     const uint32_t *normal_xy, *eye_xy;
     const int16_t *normal_z, *eye_z;
@@ -37,7 +38,8 @@ typedef struct shade_table_persp {
     uint8_t fine, early;
 } shade_table_persp;
 
-/* frame: of shade_setup with persp = 1, form SHADE_LINEAR, and the same view. */
+/* light, set: one of the view's, before and after shade_setup with persp = 1 and form SHADE_LINEAR. position_shift: of its
+   frame. */
 void shade_persp_light_prepare(shade_persp_light *out, const nacre_light *light, const shade_light *set,
                                int position_shift);
 /* 0: as for shade_table_eval_prepare. */

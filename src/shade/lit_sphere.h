@@ -33,8 +33,8 @@ typedef struct shade_lit {
     const shade_lit_kernels *kernels;
 } shade_lit;
 
-/* Bytes of scratch, 4-byte aligned, for so many rows at a time: that of a shade_frame + 4 SHADE_TABLE_WORDS + 30 a texel.
-   More rows cost less, as the set-up of all lights is repeated for each portion. */
+/* Bytes of scratch, 4-byte aligned, for so many rows at a time: that of a shade_frame + 4 SHADE_TABLE_WORDS (paper mode:
+   the evaluator) + 30 a texel. More rows cost less, as the set-up of all lights is repeated for each portion. */
 uint32_t shade_lit_scratch(const shade_lit *lit, unsigned rows);
 
 /* Shade rows y0 .. y0 + rows - 1. Returns their codes R | G << 8 | B << 16 | 255 << 24, which lie in scratch; NULL: the

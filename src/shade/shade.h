@@ -150,12 +150,12 @@ int shade_model_takes(nacre_model model, int role);
    hold what its role says. */
 nacre_result shade_material_read(shade_material *out, const nacre_material *material);
 
-/* What the light factors of a frame multiply: follows from the program (gles_key_form). */
 /* Tables in SHADE_SRGB take the logarithm of n.l, not below 2^-14. So that the unlit side stays dark, n.l is multiplied by
    2^lift and factor holds the inverse. dist: no more than needed, for fp16 is exact near log2 = 0. */
 #define SHADE_LIFT_MOST  13
 #define SHADE_LIFT_PERSP 6
 
+/* What the light factors of a frame multiply: follows from the program (gles_key_form); on CPUs always SHADE_LINEAR. */
 typedef enum shade_form {
     SHADE_LINEAR, /* linear radiance */
     SHADE_ROOT,   /* its square root: one light, no sum */
@@ -258,7 +258,7 @@ typedef struct shade_sbrdf_draw {
     fx_real ambient[3]; /* radiance that the ambient light adds where the diffuse albedo's code is 255 */
 } shade_sbrdf_draw;
 
-/* One draw. About 3 KB. Lights beyond light_count have factor 0 and are otherwise like directional ones from the eye. */
+/* One draw. About 2 KB. Lights beyond light_count have factor 0 and are otherwise like directional ones from the eye. */
 typedef struct shade_frame {
     shade_light light[NACRE_MAX_LIGHTS];
     uint8_t light_count;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangles with normal maps or masks: what raster.c does, and per pixel in front the texel's normal and alpha. */
+/* Triangles with textures or blended: what raster.c does, and per pixel in front the texel's normal, alpha and, of materials
+   that vary over the surface, the code. */
 #include "setup.h"
 
 enum { DETAILS = 5 }; /* tangent x y z, u, v */

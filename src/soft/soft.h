@@ -2,8 +2,8 @@
 /*
  * soft - the rasteriser. prepare.c: a frame's items; transform.c: vertices; clip.c: triangles that leave the frustum;
  * bins.c: triangles into bands; setup.c: one triangle's edges and planes; raster.c: its pixels' depth and normals;
- * span.c: normals into pixels; store.c: pixel formats; band.c: one band. mapped.c: triangles with textures; sbrdf.c: pixels of
- * materials that vary over the surface, which are shaded as they are rasterised.
+ * span.c: normals into pixels; store.c: pixel formats; band.c: one band. mapped.c: triangles with textures or blended;
+ * sbrdf.c: pixels of materials that vary over the surface, which are shaded as they are rasterised.
  *
  * Screen positions are 28.4 from the upper left corner, y down; a pixel's sample is at its centre. A pixel belongs to a
  * triangle when its centre is inside, on a left edge or on a top edge.
@@ -17,7 +17,8 @@
 #include "eval_spheres_persp.h"
 #include "nacre_soft.h"
 
-/* Depth of what nothing covers. Among blended pixels, which leave depth as it is: their normal; no other looks so. */
+/* Depth of what nothing covers. A blended item is drawn over depths that are there already: where it is not, the normal says
+   so; no other looks so. */
 #define SOFT_FAR   65535u
 #define SOFT_EMPTY 0x80808080u
 
@@ -200,7 +201,7 @@ void soft_each_triangle(const nacre_soft *soft, uint32_t band, soft_each *each, 
 /* raster.c */
 void soft_draw(const soft_vertex *const corner[3], int cull, const soft_pixels *to, unsigned item);
 
-/* mapped.c: triangles with normal maps and masks */
+/* mapped.c: triangles with textures or blended */
 void soft_detail_of(const soft_item *item, uint32_t index, soft_detail *out);
 void soft_draw_mapped(const soft_item *item, const soft_vertex *const corner[3], const soft_detail *const detail[3],
                       const soft_pixels *to, unsigned index);
