@@ -57,6 +57,9 @@ typedef struct gles_key {
 
 #define GLES_KEY_NAME_SIZE 64
 
+/* 1: a half-vector table, fine, early and palette too. */
+int gles_key_is_table(const gles_key *key);
+
 /* "table_phid_l1_dist_srgb_nm"; without extension. out: GLES_KEY_NAME_SIZE bytes. */
 void gles_key_name(const gles_key *key, char *out);
 

@@ -14,7 +14,7 @@ extern const unsigned long embedded_frame_vert_size, embedded_frame_frag_size, e
 /* ES 2.0 minimum. */
 #define UNITS SHADE_MAX_UNITS
 
-static int is_table(const gles_key *key)
+int gles_key_is_table(const gles_key *key)
 {
     return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY ||
            key->model == GLES_KEY_PALETTE;
@@ -79,7 +79,7 @@ void gles_key_name(const gles_key *key, char *out)
         out = put_digit(put(out, "_s"), key->layers);
     if (key->pass) out = put_digit(put(out, "_pass"), key->pass);
     if (key->toe) out = put(out, "_toe");
-    if (is_table(key) && !is_palette(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
+    if (gles_key_is_table(key) && !is_palette(key) && key->lights && key->power48 == (key->output == NACRE_OUTPUT_SQRT))
         put(out, key->power48 ? "_p48" : "_p4");
 }
 
@@ -104,7 +104,7 @@ shade_form gles_key_form(const gles_key *key)
         return SHADE_LINEAR;
     if (key->model == GLES_KEY_PAPER)
         return key->output == NACRE_OUTPUT_SRGB && !key->persp ? SHADE_SRGB : SHADE_LINEAR;
-    return key->output == NACRE_OUTPUT_SRGB && is_table(key) && key->power48 ? SHADE_SRGB : SHADE_ROOT;
+    return key->output == NACRE_OUTPUT_SRGB && gles_key_is_table(key) && key->power48 ? SHADE_SRGB : SHADE_ROOT;
 }
 
 unsigned gles_key_uniform_vectors(const gles_key *key)
@@ -115,7 +115,7 @@ unsigned gles_key_uniform_vectors(const gles_key *key)
 
     if (!lights) return common;
     if (is_sbrdf(key)) return common + 2 * lights + key->lobes + (key->persp ? 1 : 0);
-    if (is_table(key)) {
+    if (gles_key_is_table(key)) {
         const unsigned fine = key->model == GLES_KEY_FINE ? 2 : 0;
 
         if (key->persp) return common + 2 * lights + 3 + key->phid + fine;
@@ -153,7 +153,7 @@ static unsigned model_units(const gles_key *key)
     if (is_sbrdf(key)) return sbrdf_units(key);
     if (is_palette(key)) return 2;
     if (!key->lights) return 0;
-    if (is_table(key)) return key->model == GLES_KEY_TABLE ? 1 : 2;
+    if (gles_key_is_table(key)) return key->model == GLES_KEY_TABLE ? 1 : 2;
     if (key->model == GLES_KEY_QUARTER) return 1;
     return key->persp ? key->layers : 2u * key->lights;
 }
@@ -186,7 +186,7 @@ int gles_key_unit_sum(const gles_key *key)
 /* Elsewhere the curve is made otherwise. */
 static int may_have_toe(const gles_key *key)
 {
-    return is_table(key) && key->lights && gles_key_form(key) == SHADE_SRGB;
+    return gles_key_is_table(key) && key->lights && gles_key_form(key) == SHADE_SRGB;
 }
 
 /* Passes hold 1, 2 or 4 lights, so that there are fewer texts; those of a sphere also 8. */
@@ -218,9 +218,9 @@ void gles_key_canonical(gles_key *key)
     key->blend = (uint8_t)(is_palette(key) && key->blend);
     if (!light || !sbrdf) key->lobes = key->power = key->direction = 0;
     key->no_diffuse = (uint8_t)(sbrdf && key->pass == GLES_PASS_SUM && key->no_diffuse);
-    key->phid = (uint8_t)(light && is_table(key) && (key->phid || key->model != GLES_KEY_TABLE));
-    key->power48 = (uint8_t)(light && is_table(key) && !palette && key->power48);
-    if (is_table(key) || sbrdf || !key->persp) key->layers = 0;
+    key->phid = (uint8_t)(light && gles_key_is_table(key) && (key->phid || key->model != GLES_KEY_TABLE));
+    key->power48 = (uint8_t)(light && gles_key_is_table(key) && !palette && key->power48);
+    if (gles_key_is_table(key) || sbrdf || !key->persp) key->layers = 0;
     key->toe = (uint8_t)(may_have_toe(key) && (key->toe || key->sphere));
     key->mask = 0;
 }
@@ -231,7 +231,7 @@ static unsigned most_lights(const gles_key *key)
     if (key->es3) return NACRE_MAX_LIGHTS;
     if (key->blend) return key->persp ? 2 : 4;
     if (!key->persp && !is_sbrdf(key)) return key->model == GLES_KEY_FINE ? 6 : NACRE_MAX_LIGHTS;
-    return is_table(key) || is_sbrdf(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
+    return gles_key_is_table(key) || is_sbrdf(key) ? 4 : key->model == GLES_KEY_PAPER ? 1 : 2;
 }
 
 unsigned gles_key_max_lights(const gles_key *key, unsigned pass, unsigned uniform_vectors, unsigned units)
@@ -317,7 +317,7 @@ int gles_text(const gles_key *key, int fragment, const char *part[GLES_TEXT_PART
         PART(lit_frag);
         return n;
     }
-    if (is_table(key))
+    if (gles_key_is_table(key))
         PART(table_glsl);
     else if (is_sbrdf(key))
         PART(sbrdf_glsl);
@@ -373,7 +373,7 @@ static void add_cameras(key_list *list, gles_key key)
     for (key.persp = 0; key.persp < 2; key.persp++) {
         if (is_palette(&key)) {
             add_lights(list, key);
-        } else if (is_table(&key)) {
+        } else if (gles_key_is_table(&key)) {
             for (key.power48 = 0; key.power48 < 2; key.power48++) add_lights(list, key);
             key.power48 = 0;
         } else if (!key.persp) {

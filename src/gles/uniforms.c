@@ -438,12 +438,6 @@ static void set_positions(const gles_procs *gl, const gles_uniforms *at, const g
     set(gl, at->eye, &eye, 1);
 }
 
-static int is_table(const gles_key *key)
-{
-    return key->model == GLES_KEY_TABLE || key->model == GLES_KEY_FINE || key->model == GLES_KEY_EARLY ||
-           key->model == GLES_KEY_PALETTE;
-}
-
 /* Where the palette's tiles are, and the texels of the index map. */
 static void set_tiles(const gles_procs *gl, const gles_uniforms *at, const shade_palette *palette,
                       const int32_t corner_q28[2])
@@ -466,7 +460,7 @@ static const int32_t (*vertex_turn(const gles_key *key, const shade_frame *frame
     const shade_light *const light = light_of(frame, first);
 
     if (key->persp || key->lights != 1) return frame->turn_q28;
-    if (is_table(key)) return light->is.table.own_turn_q28;
+    if (gles_key_is_table(key)) return light->is.table.own_turn_q28;
     return key->model == GLES_KEY_QUARTER ? light->is.quarter.own_turn_q28 : frame->turn_q28;
 }
 
@@ -496,7 +490,7 @@ void gles_uniforms_set(const gles_procs *gl, const gles_uniforms *at, const gles
 {
     /* sums of passes for linear output are held x 1/16 */
     const gl_float scale = key->pass && view->output == NACRE_OUTPUT_LINEAR ? 1.0f / 16.0f : 1.0f;
-    const int table = is_table(key);
+    const int table = gles_key_is_table(key);
     const int sbrdf = key->model == GLES_KEY_SBRDF;
     vectors factor = {{{0}}}, ambient = {{{0}}};
     const int quarter = key->model == GLES_KEY_QUARTER;
