@@ -6,8 +6,6 @@
 
 #include <string.h>
 
-#define SHRINK_Q14 16302 /* 0.995 */
-
 /* ---- set-up --------------------------------------------------------------------------------------------------------- */
 
 void shade_spheres_persp_prepare(shade_spheres_persp *out, const shade_spheres *spheres, const uint8_t *texels,
@@ -24,7 +22,7 @@ void shade_spheres_persp_prepare(shade_spheres_persp *out, const shade_spheres *
     out->count = (uint8_t)count;
     out->paper = spheres->cosine;
     out->half_disc_q15 = spheres->disc >> 2;
-    if (out->paper) out->half_disc_q15 = out->half_disc_q15 * SHRINK_Q14 >> 14;
+    if (out->paper) out->half_disc_q15 = out->half_disc_q15 * SHADE_SHRINK_Q14 >> 14;
     if (spheres->size) out->texels_per_log2 = shade_quarter_texels(size);
     for (i = 0; i < count; i++) {
         out->layer[i] = (uint8_t)(count > 1 ? fx_div((int64_t)i * (spheres->layers - 1), count - 1) : 0);

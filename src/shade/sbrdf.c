@@ -2,7 +2,6 @@
 /* Lafortune lobes per texel (McAllister et al. 2002): what is constant over a draw. */
 #include "shade.h"
 
-#define LOG2_PI_Q16     108232       /* log2(pi) */
 #define LOG2_CODES_255  16806414     /* 255 log2(255/127), q16: codes give (code - 128)/255, C is (code - 128)/127 */
 #define LOG2_WEIGHT_MAX (15 * 65536) /* fp16 ends at 2^16 */
 
@@ -41,5 +40,5 @@ void shade_sbrdf_prepare(shade_sbrdf_draw *out, const shade_sbrdf *sbrdf)
 
 int32_t shade_sbrdf_log2(const shade_sbrdf *sbrdf)
 {
-    return fx_log2_q16(sbrdf->albedo_most) - LOG2_PI_Q16;
+    return fx_log2_q16(sbrdf->albedo_most) - SHADE_LOG2_PI_Q16;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "shade.h"
 
-#define LOG2_PI_Q16   108232       /* log2(pi) */
 #define LOG2_1055_Q16 5062         /* log2(1.055) */
 #define LH_LEAST_Q28  5905580      /* .022: keeps 1 / l.h of lights behind the object finite */
 #define LV_LEAST_Q28  -268167021   /* -.999: beyond it the half vector is undefined */
@@ -341,7 +340,7 @@ static fx_real ambient_of(const nacre_view *view, int channel, nacre_q16 albedo,
     int64_t sum;
 
     if (!view_log2(view, channel, &sum) || ambient <= 0 || albedo <= 0) return fx_real_make(0, 0);
-    return shaped(sum + fx_log2_q16(ambient) + fx_log2_q16(albedo) - LOG2_PI_Q16, SHADE_LINEAR, material);
+    return shaped(sum + fx_log2_q16(ambient) + fx_log2_q16(albedo) - SHADE_LOG2_PI_Q16, SHADE_LINEAR, material);
 }
 
 static void set_ambient(shade_frame *out, const nacre_view *view, const shade_material *material)

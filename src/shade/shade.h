@@ -313,6 +313,9 @@ uint32_t shade_power_texel(unsigned column, unsigned row, unsigned width, unsign
 
 /* ---- between the files of this room ----------------------------------------------------------- */
 
+#define SHADE_LOG2_PI_Q16 108232 /* log2(pi) */
+#define SHADE_SHRINK_Q14  16302  /* 0.995: in paper mode normals are shortened before sampling, section 4 */
+
 /* What a model's file needs to know of one light. */
 typedef struct shade_incoming {
     int32_t to_light_q28[3]; /* unit, turned; l.v is [2] */

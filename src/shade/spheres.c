@@ -2,24 +2,22 @@
 /* Mihalik & Durikovic 2015: set-up of eq. 1-4. */
 #include "shade.h"
 
-#define LOG2_PI_Q16 108232 /* log2(pi) */
-#define PI_Q28      843314857
-#define SHRINK_Q14  16302 /* 0.995: normals are shortened before sampling, section 4 */
-#define HALF_TURN   0x80000000u
+#define PI_Q28    843314857
+#define HALF_TURN 0x80000000u
 
 int32_t shade_spheres_log2(const shade_spheres *spheres, int channel)
 {
     const int32_t scale = fx_log2_q16(spheres->scale[channel]);
 
     /* paper: the file holds pi E f_r n.l; else pi f_r / scale */
-    return spheres->cosine ? -scale - LOG2_PI_Q16 : scale - LOG2_PI_Q16;
+    return spheres->cosine ? -scale - SHADE_LOG2_PI_Q16 : scale - SHADE_LOG2_PI_Q16;
 }
 
 static int32_t half_disc(const shade_spheres *spheres)
 {
     const int64_t half_q28 = (int64_t)spheres->disc << 11;
 
-    return (int32_t)(spheres->cosine ? fx_shift(half_q28 * SHRINK_Q14, 14) : half_q28);
+    return (int32_t)(spheres->cosine ? fx_shift(half_q28 * SHADE_SHRINK_Q14, 14) : half_q28);
 }
 
 static uint32_t polar_turn(const shade_spheres *spheres, int layer)

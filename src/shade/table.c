@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "shade.h"
 
-#define LOG2_PI_Q16 108232 /* log2(pi) */
-
 /* v = (1 - B) s + B s^2: both coefficients in q28. */
 static void row_curve(const shade_table *table, int64_t *linear, int64_t *square)
 {
@@ -15,7 +13,7 @@ int32_t shade_table_log2(const shade_table *table)
     /* p log2 Ymax; p and the logarithm are q16 */
     const int64_t power = fx_shift((int64_t)table->p * fx_log2_q16(table->ymax), 16);
 
-    return (int32_t)(power - fx_log2_q16(table->e) - LOG2_PI_Q16);
+    return (int32_t)(power - fx_log2_q16(table->e) - SHADE_LOG2_PI_Q16);
 }
 
 /* v' = (v (texels - 1) + 1/2 + guard) / of: the first and last texel's centres are v = 0 and 1. */
