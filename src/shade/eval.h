@@ -35,6 +35,16 @@ static inline uint32_t shade_pack_xy(int32_t x, int32_t y)
     return ((uint32_t)x & 65535u) | (uint32_t)y << 16;
 }
 
+static inline int32_t shade_x_of(uint32_t xy)
+{
+    return (int16_t)(xy & 65535u);
+}
+
+static inline int32_t shade_y_of(uint32_t xy)
+{
+    return (int32_t)xy >> 16;
+}
+
 /* Radiance of count pixels, one array a channel. */
 typedef struct shade_rgb {
     uint32_t *r, *g, *b; /* q16 */

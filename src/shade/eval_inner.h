@@ -38,16 +38,6 @@ extern const uint32_t shade_lut_length[65];       /* 2^14 / sqrt(x / 64), x from
 #define SHADE_TOE_PART  27834
 #define SHADE_CODE_MOST 23774 /* its square less SHADE_CODE_LOW is code 255; anything above is held there */
 
-EVAL_INLINE int32_t eval_x(uint32_t xy)
-{
-    return (int16_t)(xy & 65535u);
-}
-
-EVAL_INLINE int32_t eval_y(uint32_t xy)
-{
-    return (int32_t)xy >> 16;
-}
-
 /* Product of two numbers of 16 bits. */
 EVAL_INLINE int32_t eval_mul16(int32_t a, int32_t b)
 {
@@ -171,7 +161,7 @@ EVAL_INLINE int32_t eval_square_of(const eval_surface *n)
 
 EVAL_INLINE eval_surface eval_surface_of(uint32_t xy, int32_t z)
 {
-    eval_surface n = {eval_x(xy), eval_y(xy), z, 0};
+    eval_surface n = {shade_x_of(xy), shade_y_of(xy), z, 0};
 
     n.square = eval_square_of(&n);
     return n;
@@ -220,7 +210,7 @@ int16_t shade_eval_q14(int32_t x_q28);
 
 EVAL_INLINE int32_t eval_dot(const eval_surface *n, uint32_t xy, int32_t z)
 {
-    return eval_mul16(n->x, eval_x(xy)) + eval_mul16(n->y, eval_y(xy)) + eval_mul16(n->z, z);
+    return eval_mul16(n->x, shade_x_of(xy)) + eval_mul16(n->y, shade_y_of(xy)) + eval_mul16(n->z, z);
 }
 
 /* u of the table, q15. |n - h|^2 + 2 eps = |n|^2 + (|h|^2 + 2 eps) - 2 n.h: exact in integers. */

@@ -101,8 +101,8 @@ FX_APART static void bend(const mapped *m, int32_t x, int32_t y, const texture_p
 
     shade_normalise(xy, z, 1);
     shade_normalise(&tangent_xy, &tangent_z, 1);
-    n[0] = (int16_t)(*xy & 65535u), n[1] = (int32_t)*xy >> 16, n[2] = *z;
-    t[0] = (int16_t)(tangent_xy & 65535u), t[1] = (int32_t)tangent_xy >> 16, t[2] = tangent_z;
+    n[0] = shade_x_of(*xy), n[1] = shade_y_of(*xy), n[2] = *z;
+    t[0] = shade_x_of(tangent_xy), t[1] = shade_y_of(tangent_xy), t[2] = tangent_z;
     b[0] = (n[1] * t[2] - n[2] * t[1]) >> 14;
     b[1] = (n[2] * t[0] - n[0] * t[2]) >> 14;
     b[2] = (n[0] * t[1] - n[1] * t[0]) >> 14;
@@ -115,7 +115,7 @@ FX_APART static void bend(const mapped *m, int32_t x, int32_t y, const texture_p
     *z = (int16_t)sum[2];
     if (!m->item->lit) return;
     shade_normalise(xy, z, 1);
-    out[0] = (int16_t)(*xy & 65535u), out[1] = (int16_t)(*xy >> 16), out[2] = *z;
+    out[0] = (int16_t)shade_x_of(*xy), out[1] = (int16_t)shade_y_of(*xy), out[2] = *z;
     soft_to_half(out);
     *xy = shade_pack_xy(out[0], out[1]);
     *z = out[2];

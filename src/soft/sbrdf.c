@@ -50,11 +50,11 @@ FX_APART static void set_point(shade_sbrdf_point *out, const soft_item *item, co
     int16_t eye_z = 16384;
 
     if (item->persp) soft_lens_look(item, x, y, from->depth + at, 1, position, &eye_xy, &eye_z);
-    out->normal[0] = (int16_t)(from->xy[at] & 65535u);
-    out->normal[1] = (int32_t)from->xy[at] >> 16;
+    out->normal[0] = shade_x_of(from->xy[at]);
+    out->normal[1] = shade_y_of(from->xy[at]);
     out->normal[2] = from->z[at];
-    out->to_eye[0] = (int16_t)(eye_xy & 65535u);
-    out->to_eye[1] = (int32_t)eye_xy >> 16;
+    out->to_eye[0] = shade_x_of(eye_xy);
+    out->to_eye[1] = shade_y_of(eye_xy);
     out->to_eye[2] = eye_z;
 }
 

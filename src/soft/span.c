@@ -9,7 +9,7 @@ enum { BATCH = 32 }; /* pixels at a time: 500 bytes of stack */
 /* The texel of a bisector: offset from the middle by h.xy / |h| x 5/8 size. */
 static inline uint32_t texel_of(uint32_t size, uint32_t xy, int32_t z, uint32_t scale)
 {
-    const int32_t x = (int16_t)(xy & 65535u), y = (int32_t)xy >> 16;
+    const int32_t x = shade_x_of(xy), y = shade_y_of(xy);
     const int32_t length = (int32_t)(shade_lut_unit[(uint32_t)(x * x + y * y + z * z) >> 20] * scale >> 15);
     const int32_t half = (int32_t)size * 32768;
 

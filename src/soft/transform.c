@@ -235,7 +235,7 @@ void soft_to_half(int16_t n[3])
         int16_t none = 0;
 
         shade_normalise(&xy, &none, 1);
-        n[2] = (int16_t)((((int16_t)(xy & 65535u) * x + ((int32_t)xy >> 16) * y) >> 14) * 31000 >> 15);
+        n[2] = (int16_t)(((shade_x_of(xy) * x + shade_y_of(xy) * y) >> 14) * 31000 >> 15);
     }
 }
 
@@ -265,8 +265,8 @@ static void transform_normals(const nacre_soft *soft, const soft_camera *camera,
     for (i = 0; i < count; i++) turn_normal(camera, from[i].normal, &xy[i], &z[i]);
     soft->desc.kernels->normalise(xy, z, count);
     for (i = 0; i < count; i++) {
-        out[i].normal[0] = (int16_t)(xy[i] & 65535u);
-        out[i].normal[1] = (int16_t)(xy[i] >> 16);
+        out[i].normal[0] = (int16_t)shade_x_of(xy[i]);
+        out[i].normal[1] = (int16_t)shade_y_of(xy[i]);
         out[i].normal[2] = z[i];
         if (camera->half) soft_to_half(out[i].normal);
     }
