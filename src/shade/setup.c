@@ -402,7 +402,7 @@ void shade_setup(shade_frame *out, const nacre_view *view, const nacre_q16 centr
     set_camera(out, view, centre_view);
     set_ambient(out, view, material);
     out->palette = material->palette;
-    if (!SHADE_HAS_GLES && !shade_is_sbrdf(material))
+    if (!SHADE_HAS_GLES)
         ; /* only shaders need more */
     else if (shade_is_table(material))
         shade_table_prepare(&out->is.table, &material->is.table, material->early);
