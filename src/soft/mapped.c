@@ -34,9 +34,10 @@ FX_APART static void set_details(mapped *m, const soft_vertex *const corner[3], 
         for (k = 0; k < 3; k++) {
             const int32_t x = i < 3 ? detail[k]->tangent[i] : detail[k]->uv[i - 3];
 
-            value[k] = (int32_t)((int64_t)x * near[k] >> 16);
+            value[k] = (int32_t)(((int64_t)x * near[k] + 32768) >> 16);
         }
-        soft_set_plane(&m->detail[i], &s, value[0], value[1], value[2], 16, value[0] * 65536 + 32768);
+        /* tangents are cut to their upper half, where half a step rounds; u and v are used whole */
+        soft_set_plane(&m->detail[i], &s, value[0], value[1], value[2], 16, value[0] * 65536 + (i < 3 ? 32768 : 0));
     }
     m->handed = detail[0]->handed;
 }

@@ -29,8 +29,6 @@ static const double most_mean = 0.5;
 /* The CPU renderer: rounding down in every step, and 1 / n.l of that where square roots are steep. Normal maps: one step of
    a normal's 14 bits in a highlight of n = 255. */
 static const compare_bound integers = {-2, 2, 0, 0.01};
-/* It filters codes with weights of 8 bits: exponents far apart, in highlights. */
-static const compare_bound filtered_integers = {-2, 2, 0.002, 0.01};
 
 static uint32_t state;
 static double uniform(double low, double high)
@@ -160,9 +158,7 @@ static int take_opacity(image_u8 *frame, int opacity, const char *name)
 static void draw_case(run *r, int index, int lobes, unsigned seed)
 {
     const frame_case *c = &cases[index].frame;
-    const compare_bound *const bound = r->g                    ? (r->half ? &fp16 : &fp32)
-                                       : cases[index].side > 1 ? &filtered_integers
-                                                               : &integers;
+    const compare_bound *const bound = r->g ? (r->half ? &fp16 : &fp32) : &integers;
     char name[120];
     sbrdf_map map;
     material m;
