@@ -19,7 +19,8 @@ typedef struct nacre_gles_item {
 /* How x^n of SBRDF materials is found. A table takes a texture unit: where none of 8 is left (three lobes with a normal
    map), and where the material has none, it is computed. */
 typedef enum nacre_gles_power {
-    NACRE_GLES_POWER_AUTO = 0,
+    NACRE_GLES_POWER_AUTO =
+        0, /* the table on Mali's Bifrost GPUs, for one lobe of exponents of 3 and more; else computed */
     NACRE_GLES_POWER_COMPUTED, /* log2 and exp2 */
     NACRE_GLES_POWER_TABLE     /* the material's NACRE_ROLE_POWER */
 } nacre_gles_power;

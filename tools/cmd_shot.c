@@ -265,7 +265,8 @@ int cmd_shot(int argc, char **argv, failure *f)
         {"--mesh", OPTION_TEXTS, &t.mesh, 0, 0, "MESH",
          "sphere, teapot, plane, torus, or an OBJ, glTF, GLB, PLY or STL file"},
         {"--material", OPTION_TEXTS, &t.material, 0, 0, "MATERIAL",
-         "FILE.ktx2, a BRDF's name (nacre info --brdfs), or role=FILE,... with roles table, spheres, normal"},
+         "FILE.ktx2, a BRDF's name (nacre info --brdfs), or role=FILE,... with roles table, spheres, normal, mask, "
+         "albedo, lobes, power, palette, index"},
         SHOT_LIGHT_OPTIONS(t.lights),
         {"--camera", OPTION_TEXTS, &t.camera, 0, 0, "EX,EY,EZ,TX,TY,TZ[,FOVY]",
          "perspective from eye to target (the whole mesh from +z), vertical field of view in degrees (30)"},

@@ -97,7 +97,7 @@ static int uses_power_table(const nacre_gles *gles, const gles_key *key, const s
 {
     gles_key k = *key;
     if (!sbrdf->power_width || gles->desc.power == NACRE_GLES_POWER_COMPUTED) return 0;
-    if (gles->desc.power != NACRE_GLES_POWER_TABLE && (!gles->caps.power_table || sbrdf->lobes > 1)) return 0;
+    if (gles->desc.power != NACRE_GLES_POWER_TABLE && !(gles->caps.power_table && sbrdf->power_serves)) return 0;
     k.power = 1;
     k.pass = GLES_PASS_NONE; /* all passes alike */
     k.no_diffuse = 0;

@@ -228,6 +228,23 @@ static nacre_result read_lobes(shade_sbrdf *s, const nacre_image *image)
     return NACRE_OK;
 }
 
+/* Every exponent of the first lobe, where that is not black, is 3 or more. */
+static int exponents_reach_3(const nacre_image *lobes)
+{
+    enum { CODE_OF_3 = 28 }; /* 255 sqrt(3 / 255), upwards */
+    unsigned level;
+    uint32_t size, i;
+
+    for (level = 0; level < lobes->levels; level++) {
+        const uint8_t *const albedo = nacre_image_texels(lobes, level, 0, 0, &size);
+        const uint8_t *const shape = nacre_image_texels(lobes, level, 1, 0, &size);
+
+        for (i = 0; i < size; i += 4)
+            if (shape[i + 3] < CODE_OF_3 && (albedo[i] | albedo[i + 1] | albedo[i + 2])) return 0;
+    }
+    return 1;
+}
+
 static nacre_result read_sbrdf(shade_material *out, const nacre_material *material)
 {
     const nacre_image *const albedo = material->image[NACRE_ROLE_ALBEDO], *const lobes =
@@ -246,6 +263,7 @@ static nacre_result read_sbrdf(shade_material *out, const nacre_material *materi
     for (i = 0; i < 3; i++) out->albedo[i] = out->albedo[i] > mean[i] ? out->albedo[i] - mean[i] : 0;
     if (!power) return NACRE_OK;
     s->power_width = power->width;
+    s->power_serves = SHADE_HAS_GLES && s->lobes == 1 && exponents_reach_3(lobes);
     return power->faces == 1 && power->layers == 1 && power->format == NACRE_FORMAT_R8 && power->width > 1 &&
                    asset_key_is(power, NACRE_KEY_ROLE, "power") && asset_key_is(power, NACRE_KEY_TRANSFER, "root")
                ? NACRE_OK

@@ -99,6 +99,7 @@ typedef struct shade_sbrdf {
     uint8_t lobes;         /* 1..3 */
     uint8_t direction;     /* 1: the direction of anisotropy is in alphas */
     uint16_t power_width;  /* columns of the power table, 0: none */
+    uint8_t power_serves;  /* 1: there is one, and one lobe whose exponents it is made for: 3 and more */
     nacre_q16 albedo_most; /* > 0 */
     nacre_q16 most[NACRE_MAX_LOBES], shape_most[NACRE_MAX_LOBES];
 } shade_sbrdf;

@@ -278,6 +278,44 @@ static void wrong_files_are_refused(void **state)
     sbrdf_map_free(&other);
 }
 
+/* Below n = 3, code 28, the table's first columns are too wide: it is taken by itself only where no such lobe shows. */
+static void tables_serve_exponents_of_3_and_more(void **state)
+{
+    static const struct {
+        int lobes, code, black, serves;
+    } list[] = {{1, 28, 0, 1}, {1, 255, 0, 1}, {1, 27, 0, 0}, {1, 0, 0, 0}, {1, 27, 1, 1}, {2, 200, 0, 0}};
+    const power_file table = {64, 32};
+    bytes file = {0};
+    nacre_image power;
+    (void)state;
+    power_file_write(&table, &file);
+    assert_int_equal(nacre_image_open(&power, file.data, file.size), 0);
+    for (size_t i = 0; i < sizeof list / sizeof *list; i++) {
+        sbrdf_map m = random_map(8, 4, list[i].lobes, 0);
+        nacre_material material = {.model = NACRE_MODEL_SBRDF};
+        shade_material read;
+        pair p;
+        for (int level = 0; level < m.levels; level++) {
+            const int texels = sbrdf_level_width(&m, level) * sbrdf_level_height(&m, level);
+            for (int k = 0; k < texels; k++) m.lobe[level][4 * (texels + k) + 3] = 200;
+        }
+        /* one texel of the second level */
+        m.lobe[1][4 * (4 * 2 + 5) + 3] = (uint8_t)list[i].code;
+        for (int k = 0; k < 3; k++) m.lobe[1][4 * 5 + k] = list[i].black ? 0 : 1;
+        write_pair(&m, &p);
+        material.image[NACRE_ROLE_ALBEDO] = &p.image[0];
+        material.image[NACRE_ROLE_LOBES] = &p.image[1];
+        assert_int_equal(shade_material_read(&read, &material), 0);
+        assert_int_equal(read.is.sbrdf.power_serves, 0); /* no table */
+        material.image[NACRE_ROLE_POWER] = &power;
+        assert_int_equal(shade_material_read(&read, &material), 0);
+        assert_int_equal(read.is.sbrdf.power_serves, list[i].serves);
+        free_pair(&p);
+        sbrdf_map_free(&m);
+    }
+    bytes_free(&file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -287,6 +325,7 @@ int main(void)
         cmocka_unit_test(tables_hold_what_they_say),
         cmocka_unit_test(fixed_powers_are_near),
         cmocka_unit_test(filtered_powers_are_near),
+        cmocka_unit_test(tables_serve_exponents_of_3_and_more),
         cmocka_unit_test(files_come_back),
         cmocka_unit_test(texel_is_what_the_profile_says),
         cmocka_unit_test(sampling_filters_codes),
